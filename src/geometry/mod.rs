@@ -1,0 +1,16 @@
+//! Values and functions of geometry: rays, boxes, triangles, and the predicates that decide about them.
+//!
+//! Positions are in model units. Nothing here knows of meshes, files or pictures.
+
+pub mod exact;
+
+mod aabb;
+mod interval;
+mod ray;
+pub mod tolerance;
+mod triangle;
+
+pub use aabb::Aabb;
+pub use interval::Interval;
+pub use ray::{Ray, RayOrigin};
+pub use triangle::{Barycentric, RayFrame, Triangle};

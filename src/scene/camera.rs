@@ -1,0 +1,245 @@
+//! Cameras: where the eye is and how the world falls on the screen. World space, right-handed.
+
+use glam::{DVec3, Vec3};
+
+use crate::geometry::{Ray, RayOrigin};
+
+/// How the world falls on the screen.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Projection {
+    /// A pinhole.
+    Perspective {
+        /// The full angle between the picture's top and bottom, in degrees.
+        view_angle: f32,
+    },
+    /// Parallel rays.
+    Orthographic {
+        /// Height of the picture, in model units.
+        height: f32,
+    },
+}
+
+/// A camera, given by the numbers that a user can type.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Camera {
+    /// Name in the file; empty for cameras of our own.
+    pub name: String,
+    /// Where the eye is; for parallel rays, the middle of the plane from which they start.
+    pub position: Vec3,
+    /// A point that appears in the middle of the picture.
+    pub focal_point: Vec3,
+    /// A vector that appears to point upwards; neither unit nor perpendicular to the view.
+    pub view_up: Vec3,
+    /// How the world falls on the screen.
+    pub projection: Projection,
+}
+
+/// A camera made ready for rays of one picture size.
+///
+/// ```
+/// use bspray::scene::{Camera, Projection};
+/// use glam::Vec3;
+/// let camera = Camera {
+///     name: String::new(),
+///     position: Vec3::new(0.0, 0.0, 5.0),
+///     focal_point: Vec3::ZERO,
+///     view_up: Vec3::Y,
+///     projection: Projection::Perspective { view_angle: 90.0 },
+/// };
+/// let frame = camera.frame(200, 100).expect("position and focal point differ");
+/// // The middle of the picture looks at the focal point, the middle of its top edge 45 degrees up.
+/// assert_eq!(frame.ray(100.0, 50.0, None).direction, Vec3::NEG_Z);
+/// assert!((frame.ray(100.0, 0.0, None).direction - Vec3::new(0.0, 1.0, -1.0).normalize()).length() < 1e-6);
+/// ```
+#[derive(Clone, Copy, Debug)]
+pub struct CameraFrame {
+    origin: DVec3,
+    right: DVec3,
+    up: DVec3,
+    forward: DVec3,
+    /// Half the screen's width and height at distance 1 (perspective) or in model units (orthographic).
+    half: (f64, f64),
+    size: (f64, f64),
+    is_perspective: bool,
+}
+
+impl Camera {
+    /// The camera for a picture of `width` times `height` square pixels.
+    ///
+    /// `None` if position and focal point are one point, the angle or height is not positive (or the angle not below 180
+    /// degrees), or a number is not finite. An up vector along the view (or of no length) is replaced by the axis
+    /// that is most across the view.
+    pub fn frame(&self, width: u32, height: u32) -> Option<CameraFrame> {
+        let origin = self.position.as_dvec3();
+        let forward = (self.focal_point.as_dvec3() - origin).try_normalize()?;
+        let across = |up: DVec3| {
+            let right = forward.cross(up);
+            // Below this the up vector is along the view for all that single precision can tell.
+            (right.length_squared() > 1e-14 * up.length_squared()).then(|| right.normalize())
+        };
+        let fallback = || {
+            let least = forward.abs();
+            let axis = if least.y <= least.x && least.y <= least.z {
+                DVec3::Y
+            } else if least.z <= least.x {
+                DVec3::Z
+            } else {
+                DVec3::X
+            };
+            forward.cross(axis).normalize()
+        };
+        let right = across(self.view_up.as_dvec3()).unwrap_or_else(fallback);
+        let up = right.cross(forward);
+        let size = (f64::from(width), f64::from(height));
+        let (half_height, is_perspective) = match self.projection {
+            Projection::Perspective { view_angle } => {
+                let angle = f64::from(view_angle);
+                (0.0 < angle && angle < 180.0)
+                    .then(|| (libm::tan(angle.to_radians() / 2.0), true))?
+            }
+            Projection::Orthographic { height } => {
+                (0.0 < height && height.is_finite()).then(|| (f64::from(height) / 2.0, false))?
+            }
+        };
+        let half = (half_height * size.0 / size.1, half_height);
+        Some(CameraFrame {
+            origin,
+            right,
+            up,
+            forward,
+            half,
+            size,
+            is_perspective,
+        })
+    }
+}
+
+impl CameraFrame {
+    /// The ray through screen position (`x`, `y`), in pixels from the top left corner; pixel centres are at halves.
+    ///
+    /// Its direction has unit length, so `t` is a distance in model units. `pixel` is what the ray will know of its pixel.
+    pub fn ray(&self, x: f64, y: f64, pixel: Option<(u32, u32)>) -> Ray {
+        let right = (2.0 * x / self.size.0 - 1.0) * self.half.0;
+        let up = (1.0 - 2.0 * y / self.size.1) * self.half.1;
+        let offset = self.right * right + self.up * up;
+        let (origin, direction) = if self.is_perspective {
+            (self.origin, (self.forward + offset).normalize())
+        } else {
+            (self.origin + offset, self.forward)
+        };
+        let source = RayOrigin { depth: 0, pixel };
+        Ray {
+            source,
+            ..Ray::new(origin.as_vec3(), direction.as_vec3())
+        }
+    }
+
+    /// Distance of a point from the plane through the eye across the view, in model units: the picture's depth.
+    pub fn depth(&self, point: Vec3) -> f32 {
+        (point.as_dvec3() - self.origin).dot(self.forward) as f32
+    }
+
+    /// Right, up and backward unit vectors and the eye: the columns of the matrix that takes camera space (x right,
+    /// y up, looking along -z) to world space.
+    pub fn world_from_camera(&self) -> [DVec3; 4] {
+        [self.right, self.up, -self.forward, self.origin]
+    }
+
+    /// Unit vector of the view.
+    pub fn forward(&self) -> Vec3 {
+        self.forward.as_vec3()
+    }
+
+    /// Half the screen's width and height: tangents of the half angles of a perspective camera, model units of an orthographic one.
+    pub fn half_size(&self) -> (f64, f64) {
+        self.half
+    }
+
+    /// Whether the rays meet in the eye.
+    pub fn is_perspective(&self) -> bool {
+        self.is_perspective
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn camera(projection: Projection) -> Camera {
+        Camera {
+            name: String::new(),
+            position: Vec3::new(1.0, 2.0, 3.0),
+            focal_point: Vec3::new(1.0, 2.0, -7.0),
+            view_up: Vec3::new(0.0, 5.0, 1.0),
+            projection,
+        }
+    }
+
+    #[test]
+    fn corners_of_a_wide_picture() {
+        let frame = camera(Projection::Perspective { view_angle: 90.0 })
+            .frame(300, 100)
+            .expect("valid");
+        let corner = frame.ray(0.0, 0.0, Some((0, 0)));
+        let d = corner.direction / -corner.direction.z;
+        assert!((d - Vec3::new(-3.0, 1.0, -1.0)).length() < 1e-6, "{d}");
+        assert_eq!(corner.source.pixel, Some((0, 0)));
+        assert!((corner.direction.length() - 1.0).abs() < 1e-6);
+        assert_eq!(frame.depth(Vec3::new(50.0, -9.0, -1.0)), 4.0);
+    }
+
+    #[test]
+    fn orthographic_rays_are_parallel() {
+        let frame = camera(Projection::Orthographic { height: 4.0 })
+            .frame(200, 100)
+            .expect("valid");
+        let (a, b) = (frame.ray(0.0, 0.0, None), frame.ray(200.0, 100.0, None));
+        assert_eq!(a.direction, b.direction);
+        assert!((a.origin - Vec3::new(-3.0, 4.0, 3.0)).length() < 1e-6);
+        assert!((b.origin - Vec3::new(5.0, 0.0, 3.0)).length() < 1e-6);
+    }
+
+    #[test]
+    fn impossible_cameras_have_no_frame() {
+        let good = camera(Projection::Perspective { view_angle: 90.0 });
+        assert!(
+            Camera {
+                focal_point: good.position,
+                ..good.clone()
+            }
+            .frame(10, 10)
+            .is_none()
+        );
+        for view_angle in [0.0, 180.0, -1.0, f32::NAN] {
+            assert!(
+                camera(Projection::Perspective { view_angle })
+                    .frame(10, 10)
+                    .is_none()
+            );
+        }
+        let nan = Camera {
+            focal_point: Vec3::splat(f32::NAN),
+            ..good.clone()
+        };
+        assert!(nan.frame(10, 10).is_none());
+        assert!(
+            camera(Projection::Orthographic { height: 0.0 })
+                .frame(10, 10)
+                .is_none()
+        );
+    }
+
+    #[test]
+    fn an_up_vector_along_the_view_is_replaced() {
+        for axis in [Vec3::X, Vec3::Y, Vec3::Z] {
+            let c = Camera {
+                focal_point: Vec3::new(1.0, 2.0, 3.0) + axis,
+                view_up: axis * 3.0,
+                ..camera(Projection::Perspective { view_angle: 30.0 })
+            };
+            let frame = c.frame(10, 10).expect("the up vector is replaced");
+            let [right, up, back, _] = frame.world_from_camera();
+            assert!((right.cross(up) - back).length() < 1e-12);
+        }
+    }
+}

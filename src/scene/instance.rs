@@ -1,0 +1,75 @@
+//! Placed meshes.
+
+use glam::{DAffine3, Vec3};
+
+/// A mesh placed in the world.
+#[derive(Clone, Debug)]
+pub struct Instance {
+    /// Name of the object in the file, or one made from its place there.
+    pub name: String,
+    /// Index of the scene's mesh.
+    pub mesh: u32,
+    /// The placement. Composed in double precision along the file's hierarchy; points are rounded once, after it.
+    /// It may mirror (negative determinant) and may be singular (a mesh squashed flat).
+    pub world_from_object: DAffine3,
+}
+
+impl Instance {
+    /// An instance of mesh `mesh`.
+    pub fn new(name: impl Into<String>, mesh: u32, world_from_object: DAffine3) -> Self {
+        Self {
+            name: name.into(),
+            mesh,
+            world_from_object,
+        }
+    }
+
+    /// A point of the mesh in world space, rounded once.
+    pub fn world_point(&self, object_point: Vec3) -> Vec3 {
+        self.world_from_object
+            .transform_point3(object_point.as_dvec3())
+            .as_vec3()
+    }
+
+    /// The inverse placement, or `None` where the matrix is singular or so nearly singular that its inverse
+    /// overflows. Such instances are traced in world space.
+    pub fn object_from_world(&self) -> Option<DAffine3> {
+        let determinant = self.world_from_object.matrix3.determinant();
+        if determinant == 0.0 || !determinant.is_finite() {
+            return None;
+        }
+        let inverse = self.world_from_object.inverse();
+        inverse.is_finite().then_some(inverse)
+    }
+
+    /// Whether the placement turns the mesh inside out, so that counter-clockwise corners become clockwise.
+    pub fn is_mirrored(&self) -> bool {
+        self.world_from_object.matrix3.determinant() < 0.0
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::DVec3;
+
+    #[test]
+    fn a_point_is_rounded_once() {
+        // 1e8 + 1 - 1e8 loses the 1 when each step is rounded to single precision.
+        let there = DAffine3::from_translation(DVec3::splat(1e8));
+        let back = DAffine3::from_translation(DVec3::splat(-1e8));
+        let instance = Instance::new("x", 0, back * there);
+        assert_eq!(
+            instance.world_point(Vec3::new(1.0, 2.0, 3.0)),
+            Vec3::new(1.0, 2.0, 3.0)
+        );
+    }
+
+    #[test]
+    fn flat_placements_have_no_inverse() {
+        let flat = Instance::new("x", 0, DAffine3::from_scale(DVec3::new(1.0, 0.0, 2.0)));
+        assert!(flat.object_from_world().is_none() && !flat.is_mirrored());
+        let mirror = Instance::new("x", 0, DAffine3::from_scale(DVec3::new(-1.0, 3.0, 2.0)));
+        assert!(mirror.object_from_world().is_some() && mirror.is_mirrored());
+    }
+}
