@@ -7,6 +7,7 @@
     )
 )]
 
+pub mod accel;
 pub mod geometry;
 pub mod import;
 pub mod picture;

@@ -1,0 +1,166 @@
+//! Structures that find what a ray hits. Each is one of [`AcceleratorKind`], the one registry that tests, benches, the
+//! command line and reports go through.
+//!
+//! The contract, which one generic test suite runs over every kind: `any_hit(r) == closest_hit(r).is_some()`; `t` lies in the
+//! ray's closed interval; both sides of a triangle count; an empty scene or a ray that is not traceable gives `None`; the triangle
+//! is the original one; every kind returns what `linear` returns, bit for bit, the least (t, instance, triangle) winning.
+
+mod bake;
+mod bvh;
+mod counters;
+mod hit;
+mod instances;
+mod linear;
+mod normalized;
+
+pub use counters::{BuildStats, TraceCounters};
+pub use hit::Hit;
+
+use bvh::{BvhKind, BvhSet, BvhTop};
+use counters::{Counter, Uncounted};
+use hit::Nearest;
+use instances::{EveryPlacement, Instances};
+use linear::LinearSet;
+
+use crate::geometry::Ray;
+use crate::scene::Scene;
+
+/// A built structure that answers what rays hit.
+///
+/// ```
+/// use bspray::accel::AcceleratorKind;
+/// use bspray::geometry::Ray;
+/// use bspray::scene::{Instance, Part, Scene, TriangleMesh};
+/// use glam::{DAffine3, Vec3};
+///
+/// let mesh = TriangleMesh {
+///     positions: vec![Vec3::ZERO, Vec3::X, Vec3::Y],
+///     triangles: vec![[0, 1, 2]],
+///     parts: vec![Part { first_triangle: 0, triangle_count: 1, material: 0 }],
+///     ..TriangleMesh::default()
+/// };
+/// let instance = Instance::new("triangle", 0, DAffine3::IDENTITY);
+/// let scene = Scene { meshes: vec![mesh], instances: vec![instance], ..Scene::default() };
+/// let accelerator = AcceleratorKind::Bvh2.build(&scene);
+/// let ray = Ray::new(Vec3::new(0.25, 0.25, 2.0), Vec3::NEG_Z);
+/// assert_eq!(accelerator.closest_hit(&ray).map(|hit| hit.t), Some(2.0));
+/// ```
+pub trait Accelerator: Send + Sync {
+    /// The nearest hit within the ray's interval.
+    fn closest_hit(&self, ray: &Ray) -> Option<Hit>;
+
+    /// Whether anything is hit within the ray's interval.
+    fn any_hit(&self, ray: &Ray) -> bool;
+
+    /// As [`Accelerator::closest_hit`], and adds the steps it took to `counters`.
+    fn closest_hit_counted(&self, ray: &Ray, counters: &mut TraceCounters) -> Option<Hit>;
+
+    /// As [`Accelerator::any_hit`], and adds the steps it took to `counters`.
+    fn any_hit_counted(&self, ray: &Ray, counters: &mut TraceCounters) -> bool;
+
+    /// Its size.
+    fn build_stats(&self) -> BuildStats;
+}
+
+/// What an accelerator has to write: each query once, for whoever counts or does not.
+trait Trace: Send + Sync {
+    fn trace_closest<C: Counter>(&self, ray: &Ray, counter: &mut C) -> Option<Hit>;
+    fn trace_any<C: Counter>(&self, ray: &Ray, counter: &mut C) -> bool;
+    fn stats(&self) -> BuildStats;
+}
+
+/// What the level of instances needs of the structure of one set of triangles. Rays are traceable and in the set's space.
+trait TraceSet: Send + Sync {
+    /// Offers hits, the nearest among them, under the name of `instance` or of their own.
+    fn closest<C: Counter>(
+        &self,
+        ray: &Ray,
+        instance: Option<u32>,
+        nearest: &mut Nearest,
+        counter: &mut C,
+    );
+    fn any<C: Counter>(&self, ray: &Ray, counter: &mut C) -> bool;
+    fn stats(&self) -> BuildStats;
+}
+
+impl<T: Trace> Accelerator for T {
+    fn closest_hit(&self, ray: &Ray) -> Option<Hit> {
+        self.trace_closest(ray, &mut Uncounted)
+    }
+
+    fn any_hit(&self, ray: &Ray) -> bool {
+        self.trace_any(ray, &mut Uncounted)
+    }
+
+    fn closest_hit_counted(&self, ray: &Ray, counters: &mut TraceCounters) -> Option<Hit> {
+        self.trace_closest(ray, counters)
+    }
+
+    fn any_hit_counted(&self, ray: &Ray, counters: &mut TraceCounters) -> bool {
+        self.trace_any(ray, counters)
+    }
+
+    fn build_stats(&self) -> BuildStats {
+        self.stats()
+    }
+}
+
+/// The kinds of accelerators.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum AcceleratorKind {
+    /// Every triangle, one after the other.
+    Linear,
+    /// obvhs's binary BVH.
+    #[default]
+    Bvh2,
+    /// obvhs's compressed BVH of eight children a node (Ylitie, Karras, Laine 2017).
+    Cwbvh,
+}
+
+impl AcceleratorKind {
+    /// All kinds, the default first.
+    pub const ALL: [Self; 3] = [Self::Bvh2, Self::Cwbvh, Self::Linear];
+
+    /// The name on the command line and in reports.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Linear => "linear",
+            Self::Bvh2 => "bvh2",
+            Self::Cwbvh => "cwbvh",
+        }
+    }
+
+    /// One line about it.
+    pub const fn description(self) -> &'static str {
+        match self {
+            Self::Linear => "every triangle, one after the other: the reference",
+            Self::Bvh2 => "binary bounding volume hierarchy (obvhs)",
+            Self::Cwbvh => "compressed bounding volume hierarchy, eight children a node (obvhs)",
+        }
+    }
+
+    /// Builds the structure over all instances of the scene.
+    pub fn build(self, scene: &Scene) -> Box<dyn Accelerator> {
+        let baked = bake::bake(scene);
+        let bvh = |baked, kind| {
+            Instances::build(
+                baked,
+                |set| BvhSet::build(set, kind),
+                |placements| BvhTop::build(placements, kind),
+            )
+        };
+        match self {
+            Self::Linear => Box::new(Instances::build(baked, LinearSet, |placements| {
+                EveryPlacement(placements.len() as u32)
+            })),
+            Self::Bvh2 => Box::new(bvh(baked, BvhKind::Binary)),
+            Self::Cwbvh => Box::new(bvh(baked, BvhKind::Wide)),
+        }
+    }
+}
+
+impl std::fmt::Display for AcceleratorKind {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(self.name())
+    }
+}
