@@ -1,12 +1,9 @@
 //! The independent baseline: obvhs's trees, with our boxes and our triangle test. The only file that names obvhs.
 //!
-//! What is guarded against, all measured in obvhs 0.4.0: absolute epsilons and box tests without a margin
-//! (see `normalized`); a negative zero in a direction; ties, whose winner would depend on the build; triangles
-//! with one and the same box, whose tree would become a chain as long as their number (they share one entry); recursion while
-//! building (a thread with a large stack); traversal stacks that overwrite themselves when full (the tree's depth is measured, and
-//! chooses the stack).
+//! Here are the trees over boxes; `bvh_sets` puts triangles and placements into them. What is guarded against, all measured in
+//! obvhs 0.4.0: recursion while building (a thread with a large stack), traversal stacks that overwrite themselves when
+//! full (the tree's depth is measured, and chooses the stack), and what `normalized` and `bvh_sets` tell.
 
-use std::collections::HashMap;
 use std::time::Duration;
 
 use glam::{UVec2, Vec3A};
@@ -18,15 +15,9 @@ use obvhs::cwbvh::bvh2_to_cwbvh::bvh2_to_cwbvh;
 use obvhs::ray::{Ray as ObvhsRay, RayHit};
 use obvhs::{BvhBuildParams, fast_stack, traverse};
 
-use super::TraceSet;
-use super::bake::{NamedTriangle, Placement, TriangleSet};
 use super::counters::{BuildStats, Counter};
-use super::hit::Nearest;
-use super::instances::Top;
-use super::linear::offer;
-use super::normalized::{NormalizedRay, NormalizedSpace, Walk};
-use crate::geometry::tolerance::{INSTANCE_FAR, instance_margin};
-use crate::geometry::{Aabb, Ray, RayFrame};
+use super::normalized::NormalizedRay;
+use crate::geometry::Aabb;
 
 /// Which of obvhs's trees.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -41,10 +32,6 @@ const WIDE_STACK: u32 = 32;
 /// Stack of the thread that builds: obvhs recurses as deep as the tree, which hostile input makes as deep as it is long.
 const BUILD_STACK: usize = 1 << 30;
 
-/// Largest margin of an instance's box in the tree, in normalised units: more would reach out of the ball around the scene
-/// to which rays are cut. Only instances with a very uneven scale, or very far from their own origin, have more.
-const LARGEST_MARGIN: f64 = 0.0025;
-
 /// Preset of the build: within 6 % of the speed of obvhs's best, at an eighth of its build time.
 const PRESET: BvhBuildParams = BvhBuildParams::medium_build();
 
@@ -54,14 +41,14 @@ enum Tree {
 }
 
 /// A tree over boxes, and the order in which it wants what is in them.
-struct BoxTree {
+pub(super) struct BoxTree {
     tree: Tree,
     depth: u32,
 }
 
 impl BoxTree {
     /// Builds over boxes in normalised space. Returns the tree and, for each of its entries, the box's index.
-    fn build(boxes: &[Aabb], kind: BvhKind) -> (Self, Vec<u32>) {
+    pub(super) fn build(boxes: &[Aabb], kind: BvhKind) -> (Self, Vec<u32>) {
         let boxes: Vec<obvhs::aabb::Aabb> = boxes
             .iter()
             .map(|b| obvhs::aabb::Aabb::new(Vec3A::from(b.min), Vec3A::from(b.max)))
@@ -111,7 +98,7 @@ impl BoxTree {
     /// Calls `visit` with each entry whose box the ray enters before the limit that the last call returned; a negative
     /// limit ends the walk.
     #[inline]
-    fn walk<C: Counter>(
+    pub(super) fn walk<C: Counter>(
         &self,
         ray: &NormalizedRay,
         limit: f32,
@@ -131,7 +118,7 @@ impl BoxTree {
         }
     }
 
-    fn stats(&self) -> BuildStats {
+    pub(super) fn stats(&self) -> BuildStats {
         let (nodes, bytes) = match &self.tree {
             Tree::Binary(bvh) => (bvh.nodes.len(), size_of_val(&*bvh.nodes)),
             Tree::Wide(bvh) => (bvh.nodes.len(), size_of_val(&*bvh.nodes)),
@@ -281,225 +268,4 @@ fn wide_depth(bvh: &CwBvh) -> u32 {
         stack.extend((0..node.imask.count_ones()).map(|i| (node.child_base_idx + i, depth + 1)));
     }
     deepest
-}
-
-/// A set of triangles under one of obvhs's trees.
-pub(super) struct BvhSet {
-    space: NormalizedSpace,
-    tree: BoxTree,
-    /// For each entry of the tree, where its triangles begin; one more for the end.
-    first_triangle: Vec<u32>,
-    triangles: TriangleSet,
-}
-
-impl BvhSet {
-    pub(super) fn build(set: TriangleSet, kind: BvhKind) -> Self {
-        let bounds = set.iter().flat_map(|t| *t.triangle.corners()).collect();
-        let space = NormalizedSpace::around(&bounds);
-        // Triangles with the same box share an entry: the two halves of a rectangle, and coincident copies.
-        let mut entry_of_box: HashMap<[u32; 6], usize> = HashMap::with_capacity(set.len());
-        let mut boxes = Vec::with_capacity(set.len());
-        let mut entries: Vec<Vec<u32>> = Vec::with_capacity(set.len());
-        for (index, named) in set.iter().enumerate() {
-            let tight: Aabb = named.triangle.corners().iter().copied().collect();
-            let padded = space.padded(&tight, 0.0);
-            let key = [padded.min.to_array(), padded.max.to_array()].concat();
-            let key = std::array::from_fn(|i| key[i].to_bits());
-            let entry = *entry_of_box.entry(key).or_insert_with(|| {
-                boxes.push(padded);
-                entries.push(Vec::new());
-                boxes.len() - 1
-            });
-            entries[entry].push(index as u32);
-        }
-        let (tree, order) = BoxTree::build(&boxes, kind);
-        let mut first_triangle = Vec::with_capacity(order.len() + 1);
-        let mut triangles = TriangleSet::with_capacity(set.len());
-        for entry in order {
-            first_triangle.push(triangles.len() as u32);
-            triangles.extend(entries[entry as usize].iter().map(|&t| set[t as usize]));
-        }
-        first_triangle.push(triangles.len() as u32);
-        Self {
-            space,
-            tree,
-            first_triangle,
-            triangles,
-        }
-    }
-
-    fn entry(&self, entry: u32) -> &[NamedTriangle] {
-        let [first, end] = [0, 1].map(|i| self.first_triangle[entry as usize + i] as usize);
-        &self.triangles[first..end]
-    }
-}
-
-impl TraceSet for BvhSet {
-    fn closest<C: Counter>(
-        &self,
-        ray: &Ray,
-        instance: Option<u32>,
-        nearest: &mut Nearest,
-        counter: &mut C,
-    ) {
-        let frame = RayFrame::new(ray);
-        match self.space.walk(ray) {
-            Walk::Misses => {}
-            Walk::TooFar => {
-                counter.primitives(self.triangles.len());
-                self.triangles
-                    .iter()
-                    .for_each(|t| offer(&frame, t, instance, nearest));
-            }
-            Walk::Through(walk) => {
-                let mut limit = walk.limit(nearest.limit());
-                self.tree.walk(&walk, limit, counter, |entry, counter| {
-                    let triangles = self.entry(entry);
-                    counter.primitives(triangles.len());
-                    let before = nearest.limit();
-                    triangles
-                        .iter()
-                        .for_each(|t| offer(&frame, t, instance, nearest));
-                    if nearest.limit() < before {
-                        limit = walk.limit(nearest.limit());
-                    }
-                    limit
-                });
-            }
-        }
-    }
-
-    fn any<C: Counter>(&self, ray: &Ray, counter: &mut C) -> bool {
-        let frame = RayFrame::new(ray);
-        let test = |triangles: &[NamedTriangle], counter: &mut C| {
-            let hit = triangles
-                .iter()
-                .position(|t| frame.intersect(&t.triangle).is_some());
-            counter.primitives(hit.map_or(triangles.len(), |h| h + 1));
-            hit.is_some()
-        };
-        match self.space.walk(ray) {
-            Walk::Misses => false,
-            Walk::TooFar => test(&self.triangles, counter),
-            Walk::Through(walk) => {
-                let limit = walk.limit(ray.interval.max);
-                let mut occluded = false;
-                self.tree.walk(&walk, limit, counter, |entry, counter| {
-                    occluded = test(self.entry(entry), counter);
-                    if occluded { -1.0 } else { limit }
-                });
-                occluded
-            }
-        }
-    }
-
-    fn stats(&self) -> BuildStats {
-        let mut stats = self.tree.stats();
-        stats.triangles = self.triangles.len() as u64;
-        stats.bytes += (size_of_val(&*self.triangles) + size_of_val(&*self.first_triangle)) as u64;
-        stats
-    }
-}
-
-/// One of obvhs's trees over the placements.
-pub(super) struct BvhTop {
-    space: NormalizedSpace,
-    tree: BoxTree,
-    /// For each entry of the tree, its placement.
-    order: Vec<u32>,
-    /// Placements that every ray visits: a lone one, and those whose margin would be a large part of the scene.
-    always: Vec<u32>,
-    count: u32,
-}
-
-impl BvhTop {
-    pub(super) fn build(placements: &[Placement], kind: BvhKind) -> Self {
-        let bounds = placements
-            .iter()
-            .fold(Aabb::EMPTY, |b, p| b.union(p.bounds));
-        let space = NormalizedSpace::around(&bounds);
-        let reach = INSTANCE_FAR / space.length(1.0);
-        let mut always = Vec::new();
-        let (mut boxes, mut order_of_box) = (Vec::new(), Vec::new());
-        for (index, placement) in placements.iter().enumerate() {
-            let margin = placement.instance.as_ref().map_or(0.0, |i| {
-                let norm =
-                    |m: glam::DMat3| m.to_cols_array().iter().map(|x| x * x).sum::<f64>().sqrt();
-                let matrix = norm(i.world_from_object.matrix3);
-                let inverse = norm(i.object_from_world.matrix3);
-                let offset = space.distance(i.world_from_object.translation);
-                instance_margin(matrix, inverse, i.object_radius, reach + offset)
-            });
-            if placements.len() == 1 || space.length(margin) > LARGEST_MARGIN {
-                always.push(index as u32);
-            } else {
-                boxes.push(space.padded(&placement.bounds, margin));
-                order_of_box.push(index as u32);
-            }
-        }
-        let (tree, order) = BoxTree::build(&boxes, kind);
-        let order = order
-            .into_iter()
-            .map(|b| order_of_box[b as usize])
-            .collect();
-        Self {
-            space,
-            tree,
-            order,
-            always,
-            count: placements.len() as u32,
-        }
-    }
-}
-
-impl Top for BvhTop {
-    fn visit<C: Counter>(
-        &self,
-        ray: &Ray,
-        counter: &mut C,
-        mut visit: impl FnMut(u32, &mut C) -> f32,
-    ) {
-        let distance = self
-            .space
-            .length(self.space.distance(ray.origin.as_dvec3()));
-        let walk = if distance > INSTANCE_FAR {
-            Walk::TooFar
-        } else {
-            self.space.walk(ray)
-        };
-        if matches!(walk, Walk::TooFar) {
-            for placement in 0..self.count {
-                if visit(placement, counter) < ray.interval.min {
-                    return;
-                }
-            }
-            return;
-        }
-        let mut limit = ray.interval.max;
-        for &placement in &self.always {
-            limit = visit(placement, counter);
-            if limit < ray.interval.min {
-                return;
-            }
-        }
-        let Walk::Through(walk) = walk else { return };
-        if self.order.is_empty() {
-            return;
-        }
-        self.tree
-            .walk(&walk, walk.limit(limit), counter, |entry, counter| {
-                let limit = visit(self.order[entry as usize], counter);
-                if limit < ray.interval.min {
-                    -1.0
-                } else {
-                    walk.limit(limit)
-                }
-            });
-    }
-
-    fn stats(&self) -> BuildStats {
-        let mut stats = self.tree.stats();
-        stats.bytes += (size_of_val(&*self.order) + size_of_val(&*self.always)) as u64;
-        stats
-    }
 }

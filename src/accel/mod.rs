@@ -7,6 +7,7 @@
 
 mod bake;
 mod bvh;
+mod bvh_sets;
 mod counters;
 mod hit;
 mod instances;
@@ -16,7 +17,8 @@ mod normalized;
 pub use counters::{BuildStats, TraceCounters};
 pub use hit::Hit;
 
-use bvh::{BvhKind, BvhSet, BvhTop};
+use bvh::BvhKind;
+use bvh_sets::{BvhSet, BvhTop};
 use counters::{Counter, Uncounted};
 use hit::Nearest;
 use instances::{EveryPlacement, Instances};
