@@ -11,4 +11,5 @@ pub mod accel;
 pub mod geometry;
 pub mod import;
 pub mod picture;
+pub mod render;
 pub mod scene;

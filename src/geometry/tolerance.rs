@@ -45,3 +45,17 @@ pub fn instance_margin(norm: f64, inverse_norm: f64, object_radius: f64, reach: 
     let origin = reach * inverse_norm;
     2.0 * 1.7321 * f64::from(U32) * norm * (2.0 * origin + object_radius)
 }
+
+/// How far a ray must start from the surface that it leaves, in world units: `factors.0 * c + factors.1`, where `c` is the
+/// greatest coordinate of the triangle's corners in world space.
+///
+/// The point on the surface is rounded (u c a component), as are the corners of a triangle that was baked into world space
+/// (u c), and the offset point itself (u c); along a unit normal that is sqrt(3) times 3 u c, below 6 u c; 8 u leaves room
+/// for the rounding of the normal. Where the triangle is tested in object space, the ray is rounded once more there, by up to
+/// [`instance_margin`] for an origin on the surface: `reach * inverse_norm` is then at most sqrt(3) `object_radius`, the
+/// greatest coordinate of the mesh. A smaller offset lets a surface shadow itself; a larger one lets light leak through thin walls.
+pub fn surface_offset_factors(world_from_object: glam::DMat3, object_radius: f32) -> (f32, f32) {
+    let norm = world_from_object.to_cols_array().iter().map(|x| x * x).sum::<f64>().sqrt();
+    let radius = 1.7321 * f64::from(object_radius);
+    (8.0 * U32, instance_margin(norm, 1.0, radius, radius) as f32)
+}

@@ -1,0 +1,227 @@
+//! The layers of a picture, the one registry that EXR output and its documentation go through.
+//!
+//! Ids, depths and places are those of the ray through the pixel's centre and are never filtered; colour and coverage are the mean
+//! of the pixel's samples.
+
+use glam::{DMat4, DVec4};
+
+use super::film::{Film, FirstHit, PixelSum};
+use crate::picture::{Attribute, Channel, Picture, Samples, Window, attribute};
+use crate::scene::CameraFrame;
+
+/// The id of nothing: in `id`, `material` and `prim` where the pixel's centre meets no surface.
+pub const NOTHING: u32 = u32::MAX;
+
+/// A channel's value in one pixel.
+#[derive(Clone, Copy)]
+enum Value {
+    /// Stored as half floats: colours that come from 8 or 16 bits.
+    Half(fn(&PixelSum, Option<&FirstHit>) -> f32),
+    /// Stored in full.
+    Float(fn(&PixelSum, Option<&FirstHit>) -> f32),
+    /// Stored in full.
+    Id(fn(&PixelSum, Option<&FirstHit>) -> u32),
+}
+
+/// A layer: channels that belong together.
+pub struct Layer {
+    /// What it is called in lists.
+    pub name: &'static str,
+    /// What it holds, with unit and space.
+    pub description: &'static str,
+    channels: &'static [(&'static str, Value)],
+}
+
+impl Layer {
+    /// Names of its channels.
+    pub fn channels(&self) -> impl Iterator<Item = &'static str> {
+        self.channels.iter().map(|(name, _)| *name)
+    }
+}
+
+macro_rules! first {
+    ($nothing:expr, $hit:ident => $value:expr) => {
+        |_, first| first.map_or($nothing, |$hit| $value)
+    };
+}
+
+/// Every layer that an EXR file gets.
+pub const LAYERS: &[Layer] = &[
+    Layer {
+        name: "beauty",
+        description: "linear radiance of surfaces, multiplied by coverage; A is the coverage, 0 to 1",
+        channels: &[
+            ("R", Value::Float(|sum, _| sum.mean().color.x)),
+            ("G", Value::Float(|sum, _| sum.mean().color.y)),
+            ("B", Value::Float(|sum, _| sum.mean().color.z)),
+            ("A", Value::Float(|sum, _| sum.mean().alpha)),
+        ],
+    },
+    Layer {
+        name: "Z",
+        description: "depth along the view axis, in model units; infinite where nothing is met",
+        channels: &[("Z", Value::Float(first!(f32::INFINITY, hit => hit.depth)))],
+    },
+    Layer {
+        name: "distance",
+        description: "distance from the eye, in model units; infinite where nothing is met",
+        channels: &[("distance", Value::Float(first!(f32::INFINITY, hit => hit.distance)))],
+    },
+    Layer {
+        name: "N",
+        description: "shading normal in world space, towards the eye, of unit length; zero where nothing is met",
+        channels: &[
+            ("N.X", Value::Float(first!(0.0, hit => hit.shading_normal.x))),
+            ("N.Y", Value::Float(first!(0.0, hit => hit.shading_normal.y))),
+            ("N.Z", Value::Float(first!(0.0, hit => hit.shading_normal.z))),
+        ],
+    },
+    Layer {
+        name: "Ng",
+        description: "geometric normal in world space, towards the eye, of unit length; zero where nothing is met",
+        channels: &[
+            ("Ng.X", Value::Float(first!(0.0, hit => hit.geometric_normal.x))),
+            ("Ng.Y", Value::Float(first!(0.0, hit => hit.geometric_normal.y))),
+            ("Ng.Z", Value::Float(first!(0.0, hit => hit.geometric_normal.z))),
+        ],
+    },
+    Layer {
+        name: "P",
+        description: "place in world space, in model units; zero where nothing is met",
+        channels: &[
+            ("P.X", Value::Float(first!(0.0, hit => hit.position.x))),
+            ("P.Y", Value::Float(first!(0.0, hit => hit.position.y))),
+            ("P.Z", Value::Float(first!(0.0, hit => hit.position.z))),
+        ],
+    },
+    Layer {
+        name: "albedo",
+        description: "linear base colour; zero where nothing is met",
+        channels: &[
+            ("albedo.R", Value::Half(first!(0.0, hit => hit.albedo.x))),
+            ("albedo.G", Value::Half(first!(0.0, hit => hit.albedo.y))),
+            ("albedo.B", Value::Half(first!(0.0, hit => hit.albedo.z))),
+        ],
+    },
+    Layer {
+        name: "uv",
+        description: "first texture coordinates, origin at the image's top left; zero where there are none",
+        channels: &[
+            ("uv.U", Value::Float(first!(0.0, hit => hit.uv.x))),
+            ("uv.V", Value::Float(first!(0.0, hit => hit.uv.y))),
+        ],
+    },
+    Layer {
+        name: "id",
+        description: "index of the instance; 4294967295 where nothing is met",
+        channels: &[("id", Value::Id(first!(NOTHING, hit => hit.hit.instance)))],
+    },
+    Layer {
+        name: "material",
+        description: "index of the material; 4294967295 where nothing is met",
+        channels: &[("material", Value::Id(first!(NOTHING, hit => hit.material)))],
+    },
+    Layer {
+        name: "prim",
+        description: "index of the triangle in its mesh; 4294967295 where nothing is met",
+        channels: &[("prim", Value::Id(first!(NOTHING, hit => hit.hit.triangle)))],
+    },
+    Layer {
+        name: "cost",
+        description: "inner nodes, leaves and triangles that all rays of the pixel's samples tested",
+        channels: &[
+            ("cost.nodes", Value::Id(|sum, _| saturated(sum.cost.nodes))),
+            ("cost.leaves", Value::Id(|sum, _| saturated(sum.cost.leaves))),
+            ("cost.prims", Value::Id(|sum, _| saturated(sum.cost.primitives))),
+        ],
+    },
+    Layer {
+        name: "samples",
+        description: "samples that the pixel got",
+        channels: &[("samples", Value::Id(|sum, _| sum.samples))],
+    },
+];
+
+fn saturated(count: u64) -> u32 {
+    u32::try_from(count).unwrap_or(u32::MAX)
+}
+
+/// The film as a picture of all [`LAYERS`], its data window the part that was rendered, with the camera's matrices.
+pub fn layers(film: &Film, camera: &CameraFrame) -> Picture {
+    let window = film.window;
+    let (width, height) = film.size;
+    let mut picture = Picture::new(width, height).with_window(Window {
+        x: window.x as i32,
+        y: window.y as i32,
+        width: window.width,
+        height: window.height,
+    });
+    for (name, value) in LAYERS.iter().flat_map(|layer| layer.channels) {
+        let samples = match *value {
+            Value::Half(value) => Samples::F16(film.map(value)),
+            Value::Float(value) => Samples::F32(film.map(value)),
+            Value::Id(value) => Samples::U32(film.map(value)),
+        };
+        picture = picture.with_channel(Channel::new(*name, samples));
+    }
+    let [to_camera, to_ndc] = matrices(camera).map(|m| Attribute::M44(m.as_mat4().to_cols_array()));
+    picture.with_attribute(attribute::WORLD_TO_CAMERA, to_camera).with_attribute(attribute::WORLD_TO_NDC, to_ndc)
+}
+
+/// World space to OpenEXR's camera space (x right, y up, z forward), and on to x and y from -1 to 1 over the picture.
+fn matrices(camera: &CameraFrame) -> [DMat4; 2] {
+    let [right, up, back, eye] = camera.world_from_camera();
+    let row = |axis: glam::DVec3| axis.extend(-axis.dot(eye));
+    let to_camera = DMat4::from_cols(row(right), row(up), row(-back), DVec4::W).transpose();
+    let (half_width, half_height) = camera.half_size();
+    // Depth is kept as it is: in the perspective case divided by itself, which leaves 1.
+    let last = if camera.is_perspective() { DVec4::Z } else { DVec4::W };
+    let project = DMat4::from_cols(DVec4::X / half_width, DVec4::Y / half_height, DVec4::Z, last).transpose();
+    [to_camera, project * to_camera]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::render::film::PixelRect;
+    use crate::scene::{Camera, Projection};
+    use glam::{DVec3, Vec3};
+
+    fn camera(projection: Projection) -> CameraFrame {
+        let camera = Camera {
+            name: String::new(),
+            position: Vec3::new(1.0, 2.0, 3.0),
+            focal_point: Vec3::new(4.0, 3.0, 1.0),
+            view_up: Vec3::Y,
+            projection,
+        };
+        camera.frame(320, 200).expect("valid")
+    }
+
+    #[test]
+    fn matrices_take_points_on_a_ray_to_its_pixel() {
+        for projection in [Projection::Perspective { view_angle: 40.0 }, Projection::Orthographic { height: 3.0 }] {
+            let frame = camera(projection);
+            let ray = frame.ray(80.0, 150.0, None);
+            let point = ray.origin.as_dvec3() + ray.direction.as_dvec3() * 7.0;
+            let [to_camera, to_ndc] = matrices(&frame);
+            let ndc = to_ndc * point.extend(1.0);
+            assert!((ndc.x / ndc.w + 0.5).abs() < 1e-6 && (ndc.y / ndc.w + 0.5).abs() < 1e-6, "{ndc}");
+            let depth = to_camera.transform_point3(point).z;
+            assert!((depth - f64::from(frame.depth(point.as_vec3()))).abs() < 1e-5);
+            assert!(to_camera.transform_point3(DVec3::new(1.0, 2.0, 3.0)).length() < 1e-12);
+        }
+    }
+
+    #[test]
+    fn channel_names_are_unique_and_a_crop_keeps_its_place() {
+        let mut names: Vec<_> = LAYERS.iter().flat_map(Layer::channels).collect();
+        names.sort_unstable();
+        assert!(names.windows(2).all(|n| n[0] != n[1]));
+        let film = Film::new((320, 200), PixelRect { x: 30, y: 20, width: 5, height: 4 });
+        let picture = layers(&film, &camera(Projection::Perspective { view_angle: 40.0 }));
+        assert_eq!(picture.channels.len(), names.len());
+        assert_eq!((picture.display, picture.window.x, picture.window.height), ((320, 200), 30, 4));
+        assert_eq!(picture.channel("id"), Some(&Samples::U32(vec![NOTHING; 20])));
+    }
+}

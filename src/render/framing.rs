@@ -1,0 +1,178 @@
+//! Finds a camera for a scene that has none, or for one who says only where to look from.
+
+use glam::{DVec3, Vec3};
+
+use crate::scene::{Camera, Projection, Scene};
+
+/// Share of the picture's width and height that stays free around the scene, on all sides together.
+const MARGIN: f64 = 0.08;
+
+/// The full angle between the picture's top and bottom that cameras of our own have, in degrees: that of F3D and VTK.
+pub const DEFAULT_VIEW_ANGLE: f32 = 30.0;
+
+/// What is known of the camera before the scene is looked at. Whatever is `None` is chosen so that the whole scene is seen.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct CameraWishes {
+    /// Where the eye is.
+    pub position: Option<Vec3>,
+    /// What is in the middle of the picture.
+    pub focal_point: Option<Vec3>,
+    /// What appears upwards; by default the scene's up.
+    pub view_up: Option<Vec3>,
+    /// The full angle between the picture's top and bottom, in degrees.
+    pub view_angle: Option<f32>,
+    /// The direction in which the eye looks; need not be of unit length.
+    pub direction: Option<Vec3>,
+}
+
+/// A camera that grants the wishes and sees the scene.
+///
+/// `up` is the scene's upward axis, `aspect` the picture's width over its height. Without a position the eye is put as
+/// near as the whole scene allows, in the direction wished for or else before the scene, to the right and above.
+pub fn frame_scene(scene: &Scene, wishes: &CameraWishes, up: Vec3, aspect: f64) -> Camera {
+    let bounds = scene.bounds();
+    let (center, radius) =
+        if bounds.is_empty() { (Vec3::ZERO, 1.0) } else { (bounds.center(), (bounds.diagonal() / 2.0).max(1e-30)) };
+    let view_angle = wishes.view_angle.unwrap_or(DEFAULT_VIEW_ANGLE);
+    let mut camera = Camera {
+        name: String::new(),
+        position: Vec3::ZERO,
+        focal_point: Vec3::ZERO,
+        view_up: wishes.view_up.unwrap_or(up),
+        projection: Projection::Perspective { view_angle },
+    };
+    match (wishes.position, wishes.focal_point) {
+        (Some(position), focal_point) => {
+            camera.position = position;
+            camera.focal_point = match (focal_point, wishes.direction) {
+                (Some(focal_point), _) => focal_point,
+                (None, Some(direction)) => position + direction.normalize_or_zero() * radius,
+                // An eye in the very middle of the scene looks at something all the same.
+                (None, None) if position.distance(center) < radius * 1e-4 => position + three_quarter(up) * radius,
+                (None, None) => center,
+            };
+        }
+        (None, focal_point) => {
+            let direction = wishes.direction.unwrap_or_else(|| three_quarter(up));
+            camera.focal_point = focal_point.unwrap_or(center);
+            camera.position = camera.focal_point - direction.normalize_or_zero() * radius;
+            fit(&mut camera, scene, view_angle, aspect, focal_point.is_some());
+        }
+    }
+    camera
+}
+
+/// The direction of the usual look at an object: from before it, a little from the right, and from above.
+fn three_quarter(up: Vec3) -> Vec3 {
+    // "Before" is +z where y is up, as glTF has it, and -y where z is up, as Blender has it.
+    let up = up.normalize_or_zero();
+    let front = if up.z.abs() > 0.9 { Vec3::NEG_Y } else { Vec3::Z };
+    let front = (front - up * front.dot(up)).try_normalize().unwrap_or(Vec3::X);
+    let right = up.cross(front);
+    -(front * 0.80 + right * 0.55 + up * 0.45).normalize_or_zero()
+}
+
+/// Moves the eye so that the scene just fits into the picture, along the view and, unless the focal point is wished for, across it.
+///
+/// In the camera's axes a point at (x, y, z) is within the right edge if x - ex <= (ez - z) tan, for an eye at (ex, ey, ez). So
+/// the least ez for each pair of opposite edges follows from the extremes of x + z tan and -x + z tan over all points.
+fn fit(camera: &mut Camera, scene: &Scene, view_angle: f32, aspect: f64, is_centered: bool) {
+    let Some(frame) = camera.frame(1000, 1000) else { return };
+    let [right, up, back, _] = frame.world_from_camera();
+    let origin = camera.focal_point.as_dvec3();
+    let half_height = libm::tan(f64::from(view_angle).to_radians() / 2.0) * (1.0 - MARGIN);
+    let tangents = [half_height * aspect, half_height];
+    // For each axis across the view, the greatest x + z tan and -x + z tan.
+    let mut extremes = [[f64::NEG_INFINITY; 2]; 2];
+    for point in scene.world_vertices() {
+        let p = point.as_dvec3() - origin;
+        let z = p.dot(back);
+        for ((extreme, axis), tangent) in extremes.iter_mut().zip([right, up]).zip(tangents) {
+            let x = p.dot(axis);
+            extreme[0] = extreme[0].max(x + z * tangent);
+            extreme[1] = extreme[1].max(-x + z * tangent);
+        }
+    }
+    let mut offset = DVec3::ZERO;
+    let mut distance = 0.0_f64;
+    for ((extreme, axis), tangent) in extremes.iter().zip([right, up]).zip(tangents) {
+        if is_centered {
+            distance = distance.max(extreme[0].max(extreme[1]) / tangent);
+        } else {
+            distance = distance.max((extreme[0] + extreme[1]) / (2.0 * tangent));
+            offset += axis * ((extreme[0] - extreme[1]) / 2.0);
+        }
+    }
+    if distance.is_finite() && distance > 0.0 {
+        camera.focal_point = (origin + offset).as_vec3();
+        camera.position = (origin + offset + back * distance).as_vec3();
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::{Instance, Part, TriangleMesh};
+    use glam::DAffine3;
+
+    /// A long thin triangle, so that the fit across and along the view differ.
+    fn scene() -> Scene {
+        let mesh = TriangleMesh {
+            positions: vec![Vec3::new(100.0, 0.0, 0.0), Vec3::new(108.0, 1.0, 0.0), Vec3::new(100.0, 0.0, 2.0)],
+            triangles: vec![[0, 1, 2]],
+            parts: vec![Part { first_triangle: 0, triangle_count: 1, material: 0 }],
+            ..TriangleMesh::default()
+        };
+        Scene {
+            meshes: vec![mesh],
+            instances: vec![Instance::new("", 0, DAffine3::IDENTITY)],
+            ..Scene::default()
+        }
+    }
+
+    /// Screen positions of all corners, from 0 to 1.
+    fn on_screen(camera: &Camera, aspect: f64) -> Vec<(f64, f64)> {
+        let frame = camera.frame((1000.0 * aspect) as u32, 1000).expect("a camera that sees the scene");
+        let [right, up, back, eye] = frame.world_from_camera();
+        let half = frame.half_size();
+        let place = |p: Vec3| {
+            let p = p.as_dvec3() - eye;
+            let z = -p.dot(back);
+            assert!(z > 0.0, "behind the eye");
+            ((p.dot(right) / z / half.0 + 1.0) / 2.0, (p.dot(up) / z / half.1 + 1.0) / 2.0)
+        };
+        scene().world_vertices().map(place).collect()
+    }
+
+    #[test]
+    fn the_whole_scene_is_seen_and_touches_the_margin() {
+        for aspect in [0.5, 1.0, 3.0] {
+            for direction in [None, Some(Vec3::NEG_Z), Some(Vec3::new(-3.0, 0.1, 0.2))] {
+                let wishes = CameraWishes { direction, ..CameraWishes::default() };
+                let places = on_screen(&frame_scene(&scene(), &wishes, Vec3::Y, aspect), aspect);
+                let all = places.iter().flat_map(|p| [p.0, p.1]);
+                let (least, greatest) =
+                    all.fold((1.0_f64, 0.0_f64), |(l, g), x| (l.min(x), g.max(x)));
+                assert!(least > MARGIN / 2.0 - 1e-3 && greatest < 1.0 - MARGIN / 2.0 + 1e-3);
+                assert!(least < MARGIN / 2.0 + 1e-3 && greatest > 1.0 - MARGIN / 2.0 - 1e-3, "{places:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn wishes_are_granted() {
+        let wishes = CameraWishes {
+            position: Some(Vec3::new(1.0, 2.0, 3.0)),
+            view_angle: Some(50.0),
+            view_up: Some(Vec3::X),
+            ..CameraWishes::default()
+        };
+        let camera = frame_scene(&scene(), &wishes, Vec3::Y, 1.0);
+        assert_eq!(camera.position, Vec3::new(1.0, 2.0, 3.0));
+        assert_eq!(camera.focal_point, scene().bounds().center());
+        assert_eq!((camera.view_up, camera.projection), (Vec3::X, Projection::Perspective { view_angle: 50.0 }));
+        let focal_point = Some(Vec3::new(104.0, 0.0, 0.0));
+        let camera = frame_scene(&scene(), &CameraWishes { focal_point, ..CameraWishes::default() }, Vec3::Y, 1.0);
+        assert_eq!(camera.focal_point, Vec3::new(104.0, 0.0, 0.0));
+    }
+}

@@ -1,0 +1,71 @@
+//! Light that reaches a matt surface directly.
+
+use std::f32::consts::FRAC_1_PI;
+
+use glam::Vec3;
+
+use super::super::lights::{Incident, cosine_hemisphere};
+use super::super::sampler::Sampler;
+use super::super::stage::Stage;
+use super::super::surface::{MaterialPoint, Surface};
+use super::super::tracer::{RayKind, Tracer};
+use super::visibility;
+use crate::geometry::{Interval, Ray, RayOrigin};
+
+/// Radiance that leaves the surface: its own, and that of every light reflected by Lambert's law. Punctual lights are
+/// all asked; of emitters, sun and sky one point each is chosen.
+pub(super) fn shade(
+    stage: &Stage,
+    tracer: &mut Tracer,
+    ray: &Ray,
+    surface: &Surface,
+    material: &MaterialPoint,
+    sampler: &mut Sampler,
+) -> Vec3 {
+    if material.is_unlit {
+        return material.base_color;
+    }
+    let depth = ray.source.depth + 1;
+    let mut irradiance = Vec3::ZERO;
+    let mut add = |tracer: &mut Tracer, incident: Incident| {
+        let cosine = incident.direction.dot(surface.shading_normal);
+        if cosine > 0.0 && incident.direction.dot(surface.geometric_normal) > 0.0 {
+            let shadow = shadow_ray(surface, &incident, depth);
+            irradiance += incident.irradiance * (cosine * visibility(stage, tracer, shadow, RayKind::Shadow));
+        }
+    };
+    for incident in stage.lights.punctual(surface.position) {
+        add(tracer, incident);
+    }
+    if stage.lights.has_emitters() {
+        // Three numbers: the choice of the triangle, and the point on it.
+        let choice = sampler.next_1d();
+        let point = sampler.next_2d();
+        if let Some(incident) = stage.lights.emitter(stage.scene, surface.position, choice, point) {
+            add(tracer, incident);
+        }
+    }
+    if let Some(sky) = stage.lights.sky() {
+        if let Some(incident) = stage.lights.sun(sampler.next_2d()) {
+            add(tracer, incident);
+        }
+        let direction = cosine_hemisphere(surface.shading_normal, sampler.next_2d());
+        if direction.dot(surface.geometric_normal) > 0.0 {
+            let incident = Incident { direction, target: None, irradiance: Vec3::ZERO };
+            let shadow = shadow_ray(surface, &incident, depth);
+            // The density, cosine over pi, cancels the cosine and leaves pi.
+            let visible = visibility(stage, tracer, shadow, RayKind::Shadow);
+            irradiance += sky.radiance(direction) * (std::f32::consts::PI * visible);
+        }
+    }
+    material.emission + material.base_color * irradiance * FRAC_1_PI
+}
+
+fn shadow_ray(surface: &Surface, incident: &Incident, depth: u32) -> Ray {
+    let origin = surface.origin_towards(incident.direction);
+    let (direction, interval) = match incident.target {
+        Some(target) => (target - origin, Interval::new(0.0, 1.0)),
+        None => (incident.direction, Interval::FORWARD),
+    };
+    Ray { origin, direction, interval, source: RayOrigin { depth, pixel: None } }
+}

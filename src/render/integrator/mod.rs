@@ -1,0 +1,145 @@
+//! From an eye ray to a colour.
+
+mod ambient;
+mod direct;
+mod geometry;
+
+use glam::Vec3;
+
+use super::sampler::Sampler;
+use super::stage::Stage;
+use super::surface::{MaterialPoint, Surface};
+use super::tracer::{RayKind, Tracer};
+use crate::geometry::{Interval, Ray};
+
+/// How colours come about.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Integrator {
+    /// Light that reaches a surface directly, with shadows; surfaces are matt (Lambert).
+    Direct,
+    /// Ambient occlusion: the share of the hemisphere above a surface that is free within a distance.
+    Ao {
+        /// How far a ray must get to count as free, in model units.
+        distance: f32,
+    },
+    /// The shading normal, from -1..1 mapped to 0..1.
+    Normals,
+    /// How much the surface faces the eye: grey for fronts, red for backs.
+    Facing,
+}
+
+/// What a sample of a pixel saw. Colours are linear radiance.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Sample {
+    /// Light from surfaces, already multiplied by how much of the pixel they cover.
+    pub color: Vec3,
+    /// Share that surfaces cover.
+    pub alpha: f32,
+    /// Light from behind all surfaces, already multiplied by the share that they leave free.
+    pub backdrop: Vec3,
+}
+
+/// Surfaces with alpha that one ray passes before the rest counts as covered. Real models stack a few leaves or panes; the
+/// bound is for files in which thousands of transparent copies lie in one place.
+const MOST_LAYERS: u32 = 64;
+
+/// Share of the light below which what lies behind is not looked at any more: less than a step of 8 bits.
+const NEARLY_OPAQUE: f32 = 1.0 / 512.0;
+
+/// The grey behind pictures that are not lit by the sky.
+const BACKDROP: Vec3 = Vec3::splat(0.05);
+
+impl Integrator {
+    /// The name on the command line and in reports.
+    pub const fn name(&self) -> &'static str {
+        match self {
+            Self::Direct => "direct",
+            Self::Ao { .. } => "ao",
+            Self::Normals => "normals",
+            Self::Facing => "facing",
+        }
+    }
+
+    /// What the eye sees along a ray. Surfaces with alpha are laid over one another, front to back.
+    pub fn sample(&self, stage: &Stage, tracer: &mut Tracer, ray: Ray, sampler: &mut Sampler) -> Sample {
+        let mut sample = Sample::default();
+        let mut ray = ray;
+        for _ in 0..MOST_LAYERS {
+            let Some(hit) = tracer.closest(&ray, RayKind::Eye) else {
+                sample.backdrop = self.backdrop(stage, ray.direction) * (1.0 - sample.alpha);
+                return sample;
+            };
+            let surface = Surface::at(stage, &ray, hit);
+            let material = surface.material_point(stage);
+            if material.alpha > 0.0 {
+                let color = self.shade(stage, tracer, &ray, &surface, &material, sampler);
+                let share = material.alpha * (1.0 - sample.alpha);
+                sample.color += color * share;
+                sample.alpha += share;
+            }
+            if 1.0 - sample.alpha < NEARLY_OPAQUE {
+                break;
+            }
+            ray.interval = Interval::new(hit.t.next_up(), ray.interval.max);
+        }
+        sample.alpha = 1.0;
+        sample
+    }
+
+    fn shade(
+        &self,
+        stage: &Stage,
+        tracer: &mut Tracer,
+        ray: &Ray,
+        surface: &Surface,
+        material: &MaterialPoint,
+        sampler: &mut Sampler,
+    ) -> Vec3 {
+        match *self {
+            Self::Direct => direct::shade(stage, tracer, ray, surface, material, sampler),
+            Self::Ao { distance } => ambient::shade(stage, tracer, ray, surface, distance, sampler),
+            Self::Normals => geometry::normals(surface),
+            Self::Facing => geometry::facing(ray, surface),
+        }
+    }
+
+    fn backdrop(&self, stage: &Stage, direction: Vec3) -> Vec3 {
+        match self {
+            Self::Direct => stage.lights.sky().map_or(Vec3::ZERO, |sky| sky.radiance(direction.normalize_or(Vec3::Y))),
+            _ => BACKDROP,
+        }
+    }
+}
+
+/// The first surface along a ray that is there at all: its alpha is not zero.
+pub(super) fn first_visible(stage: &Stage, tracer: &mut Tracer, ray: Ray) -> Option<(Surface, MaterialPoint)> {
+    let mut ray = ray;
+    for _ in 0..MOST_LAYERS {
+        let hit = tracer.closest(&ray, RayKind::Eye)?;
+        let surface = Surface::at(stage, &ray, hit);
+        let material = surface.material_point(stage);
+        if material.alpha > 0.0 {
+            return Some((surface, material));
+        }
+        ray.interval = Interval::new(hit.t.next_up(), ray.interval.max);
+    }
+    None
+}
+
+/// The share of light that arrives along a shadow ray: 0 behind an opaque surface.
+fn visibility(stage: &Stage, tracer: &mut Tracer, ray: Ray, kind: RayKind) -> f32 {
+    if !stage.has_alpha {
+        return f32::from(u8::from(!tracer.any(&ray, kind)));
+    }
+    let mut ray = ray;
+    let mut visibility = 1.0;
+    for _ in 0..MOST_LAYERS {
+        let Some(hit) = tracer.closest(&ray, kind) else { return visibility };
+        visibility *= 1.0 - Surface::at(stage, &ray, hit).material_point(stage).alpha;
+        if visibility < NEARLY_OPAQUE {
+            return 0.0;
+        }
+        ray.interval = Interval::new(hit.t.next_up(), ray.interval.max);
+    }
+    0.0
+}

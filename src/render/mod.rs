@@ -1,0 +1,157 @@
+//! From a scene, an accelerator and a camera to a [`Film`].
+//!
+//! Lengths are in model units, colours linear radiance of Rec. 709 primaries. Every random number is a function of pixel, sample,
+//! dimension and seed, and the samples of a pixel are added in their order, so that thread count, tile order and
+//! crop do not change a bit of the picture.
+
+mod aov;
+mod film;
+mod filter;
+mod framing;
+mod integrator;
+mod lights;
+mod sampler;
+mod stage;
+mod surface;
+mod texture;
+mod tracer;
+
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use rayon::prelude::*;
+
+pub use aov::{LAYERS, Layer, NOTHING, layers};
+pub use film::{Film, FirstHit, PixelRect, PixelSum};
+pub use filter::PixelFilter;
+pub use framing::{CameraWishes, DEFAULT_VIEW_ANGLE, frame_scene};
+pub use integrator::{Integrator, Sample};
+pub use lights::Lights;
+pub use sampler::Sampler;
+pub use stage::{SkyMode, Stage};
+pub use surface::{MaterialPoint, Surface};
+pub use tracer::{Answer, RayCounts, RayKind, TracedRay, Tracer};
+
+use crate::scene::CameraFrame;
+
+/// What to render, and how.
+#[derive(Clone, Copy, Debug)]
+pub struct RenderOptions {
+    /// Width and height of the full picture, in pixels.
+    pub size: (u32, u32),
+    /// The part of it that is rendered.
+    pub window: PixelRect,
+    /// Samples a pixel.
+    pub samples: u32,
+    /// Changes every random number.
+    pub seed: u32,
+    /// How colours come about.
+    pub integrator: Integrator,
+    /// How light between pixel centres is shared out.
+    pub filter: PixelFilter,
+    /// Whether steps of traversal are counted.
+    pub counts_cost: bool,
+    /// Whether the first hits of pixel centres are looked up.
+    pub wants_first_hits: bool,
+}
+
+/// How a render is watched and ended.
+pub trait Observer: Sync {
+    /// Called after every tile, from any thread, with the number of samples it added.
+    fn samples_done(&self, samples: u64);
+    /// Whether to end now, with the picture so far. Asked for every pixel.
+    fn should_stop(&self) -> bool;
+}
+
+impl Observer for AtomicBool {
+    fn samples_done(&self, _samples: u64) {}
+
+    fn should_stop(&self) -> bool {
+        self.load(Ordering::Relaxed)
+    }
+}
+
+/// Renders with the threads of the rayon pool in which it is called.
+///
+/// The picture comes in passes of 1, 1, 2, 4, 8 and more samples a pixel, so that one that is stopped shows everything.
+pub fn render(stage: &Stage, camera: &CameraFrame, options: &RenderOptions, observer: &impl Observer) -> Film {
+    let mut film = Film::new(options.size, options.window);
+    let filter = options.filter.sampler();
+    let pixel = PixelRenderer { stage, camera, options, filter: &filter };
+    if options.wants_first_hits {
+        film.tiles.par_iter_mut().for_each(|tile| {
+            let mut tracer = Tracer::new(stage.accelerator, false);
+            tile.first_hits = vec![None; tile.sums.len()];
+            for ((x, y), first) in tile.rect.pixels().zip(&mut tile.first_hits) {
+                if observer.should_stop() {
+                    break;
+                }
+                *first = pixel.first_hit(&mut tracer, x, y);
+            }
+            tile.rays += tracer.rays;
+        });
+    }
+    let mut done = 0;
+    while done < options.samples && !observer.should_stop() {
+        let end = (2 * done).clamp(1, options.samples);
+        film.tiles.par_iter_mut().for_each(|tile| {
+            let mut added = 0;
+            let mut tracer = Tracer::new(stage.accelerator, options.counts_cost);
+            for ((x, y), sum) in tile.rect.pixels().zip(&mut tile.sums) {
+                for sample in done..end {
+                    if observer.should_stop() {
+                        break;
+                    }
+                    sum.add(&pixel.sample(&mut tracer, x, y, sample));
+                    added += 1;
+                }
+                if let Some(cost) = &mut tracer.cost {
+                    sum.cost += std::mem::take(cost);
+                }
+            }
+            tile.rays += tracer.rays;
+            observer.samples_done(added);
+        });
+        done = end;
+    }
+    film.is_complete = film.samples() == options.window.area() * u64::from(options.samples);
+    film
+}
+
+/// Renders single samples of single pixels.
+pub struct PixelRenderer<'a> {
+    /// The scene.
+    pub stage: &'a Stage<'a>,
+    /// The camera.
+    pub camera: &'a CameraFrame,
+    /// What to render.
+    pub options: &'a RenderOptions,
+    /// The options' filter.
+    pub filter: &'a filter::FilterSampler,
+}
+
+impl PixelRenderer<'_> {
+    /// One sample of a pixel.
+    pub fn sample(&self, tracer: &mut Tracer, x: u32, y: u32, sample: u32) -> Sample {
+        let mut sampler = Sampler::new(x, y, sample, self.options.seed);
+        let (dx, dy) = self.filter.sample(sampler.next_2d());
+        let ray = self.camera.ray(f64::from(x) + 0.5 + dx, f64::from(y) + 0.5 + dy, Some((x, y)));
+        self.options.integrator.sample(self.stage, tracer, ray, &mut sampler)
+    }
+
+    /// What the ray through a pixel's centre meets first. Places where a material's alpha is zero do not count.
+    pub fn first_hit(&self, tracer: &mut Tracer, x: u32, y: u32) -> Option<FirstHit> {
+        let ray = self.camera.ray(f64::from(x) + 0.5, f64::from(y) + 0.5, Some((x, y)));
+        let (surface, material) = integrator::first_visible(self.stage, tracer, ray)?;
+        Some(FirstHit {
+            hit: surface.hit,
+            material: surface.material,
+            depth: self.camera.depth(surface.position),
+            distance: surface.hit.t * ray.direction.length(),
+            position: surface.position,
+            shading_normal: surface.shading_normal,
+            geometric_normal: surface.geometric_normal,
+            uv: surface.uv,
+            albedo: material.base_color,
+        })
+    }
+}

@@ -1,0 +1,94 @@
+//! The scene made ready for shading: what instances, lights and materials need worked out once before the first ray.
+
+use glam::{DMat3, Vec3};
+
+use super::lights::Lights;
+use crate::accel::Accelerator;
+use crate::geometry::Triangle;
+use crate::geometry::tolerance::surface_offset_factors;
+use crate::scene::{Scene, Sky};
+
+/// When the sky and sun of our own light a scene.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum SkyMode {
+    /// In scenes that have no light of their own: no punctual light, and no material of a constant emission. (Emission
+    /// through a texture is mostly a detail, such as a display, that is meant to be seen in other light.)
+    #[default]
+    Auto,
+    /// Always.
+    On,
+    /// Never.
+    Off,
+}
+
+/// A scene, its accelerator, and what shading needs to know of both.
+pub struct Stage<'a> {
+    /// The scene.
+    pub scene: &'a Scene,
+    /// Answers what rays hit.
+    pub accelerator: &'a dyn Accelerator,
+    /// Everything that sends light.
+    pub lights: Lights,
+    /// Length of the diagonal of the scene's box, in model units.
+    pub diagonal: f32,
+    /// Whether any material has alpha, so that hits must be looked at before they block light.
+    pub has_alpha: bool,
+    pub(super) instances: Vec<StagedInstance>,
+}
+
+/// What is worked out for each instance.
+pub(super) struct StagedInstance {
+    /// Takes object-space normals to world space, up to length.
+    pub(super) normal_matrix: DMat3,
+    pub(super) is_mirrored: bool,
+    offset_factors: (f32, f32),
+}
+
+impl StagedInstance {
+    /// How far a ray must start or end from a world-space triangle of the instance so as not to meet it, in model units.
+    pub(super) fn offset(&self, triangle: &Triangle) -> f32 {
+        let reach = triangle.corners().iter().fold(0.0_f32, |r, p| r.max(p.abs().max_element()));
+        self.offset_factors.0 * reach + self.offset_factors.1
+    }
+}
+
+impl<'a> Stage<'a> {
+    /// Prepares the scene. `up` is its upward axis, of which the sky needs to know.
+    pub fn new(scene: &'a Scene, accelerator: &'a dyn Accelerator, up: Vec3, sky: SkyMode) -> Self {
+        let instances = scene
+            .instances
+            .iter()
+            .map(|instance| {
+                let matrix = instance.world_from_object.matrix3;
+                let is_mirrored = instance.is_mirrored();
+                let cofactors =
+                    DMat3::from_cols(matrix.y_axis.cross(matrix.z_axis), matrix.z_axis.cross(matrix.x_axis), matrix.x_axis.cross(matrix.y_axis));
+                let radius = scene.meshes[instance.mesh as usize]
+                    .positions
+                    .iter()
+                    .fold(0.0_f32, |r, p| r.max(p.abs().max_element()));
+                StagedInstance {
+                    // The matrix of cofactors is the inverse transpose times the determinant, and exists without an inverse.
+                    normal_matrix: if is_mirrored { -cofactors } else { cofactors },
+                    is_mirrored,
+                    offset_factors: surface_offset_factors(matrix, radius),
+                }
+            })
+            .collect();
+        let is_lit = !scene.lights.is_empty() || scene.has_constant_emission();
+        let wants_sky = match sky {
+            SkyMode::Auto => !is_lit,
+            SkyMode::On => true,
+            SkyMode::Off => false,
+        };
+        let sky = wants_sky.then(|| Sky::daylight(up.normalize_or(Vec3::Y)));
+        Self {
+            scene,
+            accelerator,
+            lights: Lights::new(scene, &instances, sky),
+            diagonal: scene.bounds().diagonal(),
+            has_alpha: scene.materials.iter().any(|m| m.has_alpha()),
+            instances,
+        }
+    }
+}

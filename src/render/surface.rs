@@ -1,0 +1,154 @@
+//! What a ray meets at a hit: place, normals, texture coordinates, and the material's values there. World space.
+
+use glam::{Vec2, Vec3, Vec4};
+
+use super::stage::Stage;
+use super::texture::{ColorSpace, lookup};
+use crate::accel::Hit;
+use crate::geometry::{Ray, Triangle};
+use crate::scene::{AlphaMode, Material, TextureRef};
+
+/// The surface at a hit. Both normals are of unit length and turned towards where the ray came from.
+#[derive(Clone, Copy, Debug)]
+pub struct Surface {
+    /// The hit it belongs to.
+    pub hit: Hit,
+    /// Place in world space.
+    pub position: Vec3,
+    /// The triangle's own normal.
+    pub geometric_normal: Vec3,
+    /// The normal that light sees: the file's, between its vertices.
+    pub shading_normal: Vec3,
+    /// Whether the ray came from the front, where corners run counter-clockwise.
+    pub is_front: bool,
+    /// First set of texture coordinates, or zero.
+    pub uv: Vec2,
+    /// Weights of the triangle's second and third corner.
+    pub barycentric: (f32, f32),
+    /// Index of the scene's material.
+    pub material: u32,
+    /// How far along the geometric normal a ray must start so as to leave the surface behind, in model units.
+    pub offset: f32,
+}
+
+/// A material's values at one place.
+#[derive(Clone, Copy, Debug)]
+pub struct MaterialPoint {
+    /// Linear base colour, with vertex colour and texture.
+    pub base_color: Vec3,
+    /// Share of the light that the surface stops: 1 for opaque ones, 0 or 1 for masks.
+    pub alpha: f32,
+    /// Emitted radiance.
+    pub emission: Vec3,
+    /// Whether the base colour is shown as it is.
+    pub is_unlit: bool,
+}
+
+impl Surface {
+    /// Looks up the surface at a hit of a ray.
+    pub fn at(stage: &Stage, ray: &Ray, hit: Hit) -> Self {
+        let scene = stage.scene;
+        let instance = &scene.instances[hit.instance as usize];
+        let staged = &stage.instances[hit.instance as usize];
+        let mesh = &scene.meshes[instance.mesh as usize];
+        let corners = mesh.triangles[hit.triangle as usize].map(|v| v as usize);
+        let points = corners.map(|v| instance.world_point(mesh.positions[v]));
+        let triangle = Triangle::new(points[0], points[1], points[2]);
+        let weights = triangle.barycentric(ray);
+        let mix = |values: [Vec4; 3]| {
+            values[0] * (1.0 - weights.u - weights.v) + values[1] * weights.u + values[2] * weights.v
+        };
+
+        let [a, b, c] = points.map(|p| p.as_dvec3());
+        let position = (a + (b - a) * f64::from(weights.u) + (c - a) * f64::from(weights.v)).as_vec3();
+        // A triangle that its placement squashed to a line is never hit; any unit vector will do.
+        let own = triangle.normal().unwrap_or(-ray.direction.normalize_or(Vec3::NEG_Z));
+        let front = if staged.is_mirrored { -own } else { own };
+        let is_front = front.dot(ray.direction) < 0.0;
+        let geometric_normal = if is_front { front } else { -front };
+
+        let smooth = (!mesh.normals.is_empty()).then(|| {
+            let [a, b, c] = corners.map(|v| mesh.normals[v]);
+            // A vertex whose normal is zero says that the triangle's own counts.
+            let all = [a, b, c].iter().all(|n| *n != Vec3::ZERO);
+            let n = mix([a, b, c].map(|n| n.extend(0.0))).truncate();
+            all.then(|| (staged.normal_matrix * n.as_dvec3()).normalize_or_zero().as_vec3())
+        });
+        let shading = smooth.flatten().filter(|n| *n != Vec3::ZERO).unwrap_or(front);
+        let shading = if is_front { shading } else { -shading };
+        // A shading normal that looks away from the viewer would be lit from behind.
+        let shading_normal = if shading.dot(ray.direction) < 0.0 { shading } else { geometric_normal };
+
+        let uv = mesh.uv_sets.first().filter(|set| !set.is_empty()).map_or(Vec2::ZERO, |set| {
+            mix(corners.map(|v| set[v].extend(0.0).extend(0.0))).truncate().truncate()
+        });
+        Self {
+            hit,
+            position,
+            geometric_normal,
+            shading_normal,
+            is_front,
+            uv,
+            barycentric: (weights.u, weights.v),
+            material: mesh.material_of(hit.triangle),
+            offset: staged.offset(&triangle),
+        }
+    }
+
+    /// Where a ray that leaves towards `direction` starts: on its side of the surface, clear of rounding.
+    pub fn origin_towards(&self, direction: Vec3) -> Vec3 {
+        let side = if direction.dot(self.geometric_normal) < 0.0 { -self.offset } else { self.offset };
+        self.position + self.geometric_normal * side
+    }
+
+    /// The material's values here.
+    pub fn material_point(&self, stage: &Stage) -> MaterialPoint {
+        let scene = stage.scene;
+        let material: &Material = &scene.materials[self.material as usize];
+        let texel = |texture: &Option<TextureRef>, space| {
+            texture.map_or(Vec4::ONE, |t| lookup(scene, &t, self.uv_of(stage, &t), space))
+        };
+        let mut color = material.base_color * texel(&material.base_color_texture, ColorSpace::Srgb);
+        color *= self.vertex_color(stage);
+        color.w *= opacity(texel(&material.opacity_texture, ColorSpace::Linear));
+        let alpha = match material.alpha_mode {
+            AlphaMode::Opaque => 1.0,
+            AlphaMode::Mask { cutoff } => f32::from(u8::from(color.w >= cutoff)),
+            AlphaMode::Blend => color.w.clamp(0.0, 1.0),
+        };
+        let emission = if material.emissive == Vec3::ZERO {
+            Vec3::ZERO
+        } else {
+            material.emissive * texel(&material.emissive_texture, ColorSpace::Srgb).truncate()
+        };
+        MaterialPoint { base_color: color.truncate(), alpha, emission, is_unlit: material.unlit }
+    }
+
+    fn uv_of(&self, stage: &Stage, texture: &TextureRef) -> Vec2 {
+        if texture.uv_set == 0 {
+            return self.uv;
+        }
+        let mesh = stage.scene.mesh_of(self.hit.instance);
+        let Some(set) = mesh.uv_sets.get(texture.uv_set as usize).filter(|set| !set.is_empty()) else {
+            return Vec2::ZERO;
+        };
+        let [a, b, c] = mesh.triangles[self.hit.triangle as usize].map(|v| set[v as usize]);
+        let (u, v) = self.barycentric;
+        a * (1.0 - u - v) + b * u + c * v
+    }
+
+    fn vertex_color(&self, stage: &Stage) -> Vec4 {
+        let mesh = stage.scene.mesh_of(self.hit.instance);
+        if mesh.colors.is_empty() {
+            return Vec4::ONE;
+        }
+        let [a, b, c] = mesh.triangles[self.hit.triangle as usize].map(|v| mesh.colors[v as usize]);
+        let (u, v) = self.barycentric;
+        a * (1.0 - u - v) + b * u + c * v
+    }
+}
+
+/// MTL's `map_d`: the alpha channel of an image that has one, else its first channel.
+fn opacity(texel: Vec4) -> f32 {
+    if texel.w < 1.0 { texel.w } else { texel.x }
+}

@@ -1,0 +1,124 @@
+//! Sends rays, counts them by kind, and keeps a record of them when asked to.
+
+use std::ops::AddAssign;
+
+use crate::accel::{Accelerator, Hit, TraceCounters};
+use crate::geometry::Ray;
+
+/// What a ray is for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum RayKind {
+    /// From the eye, also its continuation behind a surface with alpha.
+    Eye,
+    /// To a light.
+    Shadow,
+    /// Into the surroundings, for ambient occlusion.
+    Ambient,
+}
+
+impl RayKind {
+    /// The name in reports.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Eye => "eye",
+            Self::Shadow => "shadow",
+            Self::Ambient => "ambient",
+        }
+    }
+}
+
+/// Rays sent, by kind.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct RayCounts {
+    /// From the eye.
+    pub eye: u64,
+    /// To lights.
+    pub shadow: u64,
+    /// For ambient occlusion.
+    pub ambient: u64,
+}
+
+impl RayCounts {
+    /// All of them.
+    pub fn total(&self) -> u64 {
+        self.eye + self.shadow + self.ambient
+    }
+}
+
+impl AddAssign for RayCounts {
+    fn add_assign(&mut self, other: Self) {
+        self.eye += other.eye;
+        self.shadow += other.shadow;
+        self.ambient += other.ambient;
+    }
+}
+
+/// A ray that was sent, and its answer.
+#[derive(Clone, Copy, Debug)]
+pub struct TracedRay {
+    /// What it was for.
+    pub kind: RayKind,
+    /// The ray.
+    pub ray: Ray,
+    /// What it met: for rays that only asked whether they meet anything, a hit without a place.
+    pub answer: Answer,
+}
+
+/// What a ray met.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Answer {
+    /// The nearest hit, or none.
+    Closest(Option<Hit>),
+    /// Whether there is any hit.
+    Any(bool),
+}
+
+/// Sends rays to an accelerator.
+pub struct Tracer<'a> {
+    accelerator: &'a dyn Accelerator,
+    /// Rays sent so far.
+    pub rays: RayCounts,
+    /// Steps of traversal so far, if they are counted.
+    pub cost: Option<TraceCounters>,
+    /// The rays themselves, if they are recorded.
+    pub record: Option<Vec<TracedRay>>,
+}
+
+impl<'a> Tracer<'a> {
+    /// A tracer that counts the steps of traversal if `counted`, and records nothing.
+    pub fn new(accelerator: &'a dyn Accelerator, counted: bool) -> Self {
+        let cost = counted.then(TraceCounters::default);
+        Self { accelerator, rays: RayCounts::default(), cost, record: None }
+    }
+
+    /// The nearest hit.
+    pub fn closest(&mut self, ray: &Ray, kind: RayKind) -> Option<Hit> {
+        let hit = match &mut self.cost {
+            Some(cost) => self.accelerator.closest_hit_counted(ray, cost),
+            None => self.accelerator.closest_hit(ray),
+        };
+        self.note(ray, kind, Answer::Closest(hit));
+        hit
+    }
+
+    /// Whether anything is hit.
+    pub fn any(&mut self, ray: &Ray, kind: RayKind) -> bool {
+        let hit = match &mut self.cost {
+            Some(cost) => self.accelerator.any_hit_counted(ray, cost),
+            None => self.accelerator.any_hit(ray),
+        };
+        self.note(ray, kind, Answer::Any(hit));
+        hit
+    }
+
+    fn note(&mut self, ray: &Ray, kind: RayKind, answer: Answer) {
+        *match kind {
+            RayKind::Eye => &mut self.rays.eye,
+            RayKind::Shadow => &mut self.rays.shadow,
+            RayKind::Ambient => &mut self.rays.ambient,
+        } += 1;
+        if let Some(record) = &mut self.record {
+            record.push(TracedRay { kind, ray: *ray, answer });
+        }
+    }
+}
