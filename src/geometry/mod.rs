@@ -7,10 +7,12 @@ pub mod exact;
 mod aabb;
 mod interval;
 mod ray;
+mod ray_frame;
 pub mod tolerance;
 mod triangle;
 
 pub use aabb::Aabb;
 pub use interval::Interval;
 pub use ray::{Ray, RayOrigin};
-pub use triangle::{Barycentric, RayFrame, Triangle};
+pub use ray_frame::{RayFrame, Verdict};
+pub use triangle::{Barycentric, Triangle};

@@ -1,6 +1,42 @@
 //! Every epsilon of the crate, with its derivation, and no epsilon anywhere else.
 //!
-//! `u` is the unit roundoff of single precision, 2^-24: one rounded operation has a relative error of at most `u`.
+//! `u` is the unit roundoff of single precision, 2^-24: one rounded operation has a relative error of at most `u`,
+//! and, where it may underflow, an absolute error of at most 2^-150 besides (sums and differences never need that
+//! part: they are exact when they are subnormal). `v` is the unit roundoff of double precision, 2^-53. A hat marks a
+//! computed value; names without one are exact.
+//!
+//! # The edge functions in single precision
+//!
+//! After Woop, Benthin, Wald, "Watertight Ray/Triangle Intersection", JCGT 2(1), 2013, a corner `p` becomes
+//! `A = p - origin` with its axes permuted so that the direction's largest component is z, and then
+//! `X = A.x - S A.z` with `S = d.x / d.z`, `|S| <= 1`; `Y` in the same way. The edge function of the corners `c`, `b`
+//! is `U = Xc Yb - Yc Xb`, and the exact one is `det(d, c - origin, b - origin) / d.z`.
+//!
+//! 1. *One coordinate.* `A^ = A (1 + r)` and `S^ = S (1 + r) + h`, then the product, then the difference, with each
+//!    `|r| <= u`, `|h| <= 2^-150`. The error of `A.x` is at most `u |A.x| <= u (|X| + |A.z|)`, that of the product at
+//!    most `(3u + 3u^2 + u^3) |A.z| + 2^-150 (1 + 2 |A.z|)`, that of the last rounding at most `u |X^|`. With
+//!    `|X| <= |X^| + |X^ - X|` and `M` = the greatest `|A^.z|` of the three corners:
+//!    `|X^ - X| <= e + 2u (1 + 2u) |X^|` with `e = 4u M` plus terms of `u^2 M` plus 2^-149.
+//! 2. *One product difference.* Let `s` be the greatest `|X^| + |Y^|` of the three corners. Replacing the four exact
+//!    coordinates by computed ones changes `U` by at most
+//!    `e (|Xc| + |Yc| + |Xb| + |Yb|) + 4u (|Xc Yb| + |Yc Xb|) + 2 (e + 2u s)^2 <= 2 e s + 4u s^2 + 2 e^2` plus terms of
+//!    `u e s` and `u^2 s^2`. The two products and the difference round by at most `2u s^2 + 2^-149` more.
+//!    (`|Xc Yb| + |Yc Xb| <= (|Xc| + |Yc|) max(|Xb|, |Yb|) <= s^2`.)
+//! 3. *Sum.* `|U^ - U| <= 2 e s + 2 e^2 + 6u s^2 + 2^-149` plus second-order terms. With 5 for the 4 in `e` and 7 for
+//!    the 6, a quarter and a sixth are left over. They pay for the second-order terms, for the roundings of `s` and of
+//!    the bound itself, and 2^-126 added to `e` and to the sum pays for every underflow on the way.
+//!
+//! Nothing overflows unnoticed: an infinite `A` or `X` makes the bound infinite or NaN; `|X^| <= s^` (rounding is
+//! monotone), so that a product of the edge function overflows only if `s^ s^` does; and an overflow of the
+//! difference of two finite products has the right sign. Comparisons with an infinite or NaN bound decide nothing.
+//!
+//! # The determinants in double precision
+//!
+//! Products of three differences of `f32` neither overflow nor underflow in `f64` (they lie between 2^-447 and 2^387).
+//! So each computed term is the exact one times `(1 + r)^k`, `|r| <= v`, where `k` counts the roundings on its way,
+//! and the error is at most `k v / (1 - k v)` times the sum of the absolute values of the terms, which is the
+//! permanent in Shewchuk's filter ("Adaptive Precision Floating-Point Arithmetic and Fast Robust Geometric
+//! Predicates", 1997). One more `v` pays for the permanent's own roundings, all of which together are below `16 v^2`.
 
 /// Unit roundoff of `f32`: 2^-24.
 pub const U32: f32 = f32::EPSILON / 2.0;
@@ -59,3 +95,58 @@ pub fn surface_offset_factors(world_from_object: glam::DMat3, object_radius: f32
     let radius = 1.7321 * f64::from(object_radius);
     (8.0 * U32, instance_margin(norm, 1.0, radius, radius) as f32)
 }
+
+/// Error of a sheared coordinate in units of the greatest depth `M`: 4u by step 1 above, and u to spare.
+///
+/// Smaller than 4u and hits are decided wrongly; larger and more triangles go to the slower `f64` stage.
+const SHEAR_ERROR: f32 = 5.0 * U32;
+
+/// Error of an edge function in units of `s^2`: 6u by steps 2 and 3 above, and u to spare.
+const PRODUCT_ERROR: f32 = 7.0 * U32;
+
+/// Largest error of the three edge functions of one triangle in single precision, by the derivation above.
+///
+/// `depth` is the greatest `|A.z|` of the corners and `lateral` the greatest `|X| + |Y|`, both as computed, in model
+/// units; the result is in square units. An edge function whose magnitude exceeds it has the right sign.
+///
+/// ```
+/// use bspray::geometry::tolerance::edge_function_error;
+/// // A triangle of lateral size 1 at distance 10: edge functions above 7e-6 are certain.
+/// let error = edge_function_error(10.0, 1.0);
+/// assert!(6e-6 < error && error < 7e-6);
+/// ```
+#[inline]
+pub fn edge_function_error(depth: f32, lateral: f32) -> f32 {
+    let shear = SHEAR_ERROR * depth + f32::MIN_POSITIVE;
+    2.0 * shear * (lateral + shear) + PRODUCT_ERROR * (lateral * lateral) + f32::MIN_POSITIVE
+}
+
+/// Error of `det(d, p - o, q - p)` in `f64`, in units of its permanent.
+///
+/// Seven roundings a term: two differences, a product, the minor's difference, a product, two sums.
+pub const EDGE_FILTER: f64 = 8.0 * U64;
+
+/// Error of one component of `(b - a) x (c - a)` in `f64`, in units of its permanent: four roundings a term.
+pub const NORMAL_FILTER: f64 = 5.0 * U64;
+
+/// Error of `((b - a) x (c - a)) . (a - o)` in `f64`, in units of its permanent.
+///
+/// Eight roundings a term: four for the normal, the difference `a - o`, a product, two sums. The surplus over 9 pays
+/// for the roundings of the quotient's radius, see [`QUOTIENT_ERROR`].
+pub const NUMERATOR_FILTER: f64 = 10.0 * U64;
+
+/// Error of `((b - a) x (c - a)) . d` in `f64`, in units of its permanent: seven roundings a term, and see
+/// [`NUMERATOR_FILTER`] for the surplus.
+pub const DENOMINATOR_FILTER: f64 = 9.0 * U64;
+
+/// Error of a quotient's own rounding and of the ends of the interval around it, in units of the quotient.
+///
+/// One rounding each for the quotient and the end; the other two are to spare.
+pub const QUOTIENT_ERROR: f64 = 4.0 * U64;
+
+/// Least share of its permanent that the largest component of a triangle's normal must reach for `f64` to be trusted
+/// with its direction; below, it is computed in integers.
+///
+/// The normal's error is at most `sqrt(3) * NORMAL_FILTER` times the largest permanent, so that at this share (2^-25)
+/// the direction is wrong by less than 8.7 * 2^-53 / 2^-25 < 2^-24, half an ulp of 1 in `f32`.
+pub const NORMAL_TRUST: f64 = 1.0 / (1u32 << 25) as f64;

@@ -1,0 +1,428 @@
+//! The one ray-triangle test of the crate: fast, and without error.
+//!
+//! After Woop, Benthin, Wald, "Watertight Ray/Triangle Intersection", JCGT 2(1), 2013, which computes the edge
+//! functions in a frame of the ray in single precision and falls back to double precision where one is zero. Here
+//! they are compared with a bound on their error instead, and the last stage is exact:
+//!
+//! 1. `f32`: the signs are certain for all but a few triangles in a thousand;
+//! 2. `f64`: with a filter ([`exact::filter`]), for those;
+//! 3. integers ([`exact`]), where the line passes through an edge to sixteen digits.
+//!
+//! `t` is computed in `f64` between bounds and rounded; where the bounds round differently, integers decide. So the
+//! answer is the one that [`exact`] defines, bit for bit, and any other implementation that keeps the error bound
+//! (in lanes, with other instructions) gives the same.
+
+use glam::{Vec3, Vec3Swizzles};
+
+use super::exact::{self, filter};
+use super::tolerance::edge_function_error;
+use super::{Interval, Ray, Triangle};
+
+/// A ray made ready for testing many triangles: its shear, after Woop, Benthin and Wald.
+///
+/// ```
+/// use bspray::geometry::{Ray, RayFrame, Triangle};
+/// use glam::Vec3;
+/// let triangle = Triangle::new(Vec3::ZERO, Vec3::new(3.0, 0.0, 0.0), Vec3::new(0.0, 1.0, 0.0));
+/// let frame = RayFrame::new(&Ray::new(Vec3::new(1.0, 0.5, -4.0), Vec3::new(0.0, 0.0, 2.0)));
+/// assert_eq!(frame.intersect(&triangle), Some(2.0));
+/// ```
+#[derive(Clone, Copy, Debug)]
+pub struct RayFrame {
+    ray: Ray,
+    axis: Axis,
+    /// The origin with its axes in the frame's order.
+    origin: Vec3,
+    /// `d.x / d.z` and `d.y / d.z` in the frame's order; at most 1 in magnitude.
+    shear: [f32; 2],
+}
+
+/// The direction's largest component, which becomes the frame's z. The axes keep their cyclic order.
+#[derive(Clone, Copy, Debug)]
+enum Axis {
+    X,
+    Y,
+    Z,
+    /// The ray cannot hit anything.
+    Never,
+}
+
+impl Axis {
+    /// The vector with its axes in the frame's order.
+    #[inline]
+    fn order(self, v: Vec3) -> Vec3 {
+        match self {
+            Self::X => v.yzx(),
+            Self::Y => v.zxy(),
+            Self::Z | Self::Never => v,
+        }
+    }
+}
+
+/// What single precision knows of a ray's line and a triangle.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Verdict {
+    /// The line certainly meets the triangle's inside.
+    Meets,
+    /// The line certainly misses it.
+    Misses,
+    /// It passes too close to an edge to say.
+    Doubt,
+}
+
+/// The edge functions of one triangle in the ray's frame, and the bound on their errors. Square units.
+#[derive(Clone, Copy, Debug)]
+struct EdgeFunctions {
+    u: f32,
+    v: f32,
+    w: f32,
+    error: f32,
+}
+
+impl RayFrame {
+    /// The frame of this ray. The frame of a ray that is not [traceable](Ray::is_traceable) hits nothing.
+    pub fn new(ray: &Ray) -> Self {
+        let magnitude = ray.direction.abs();
+        let axis = if !ray.is_traceable() {
+            Axis::Never
+        } else if magnitude.x > magnitude.y && magnitude.x > magnitude.z {
+            Axis::X
+        } else if magnitude.y > magnitude.z {
+            Axis::Y
+        } else {
+            Axis::Z
+        };
+        let d = axis.order(ray.direction);
+        Self {
+            ray: *ray,
+            axis,
+            origin: axis.order(ray.origin),
+            shear: [d.x / d.z, d.y / d.z],
+        }
+    }
+
+    /// The ray as given, but for its interval: see [`set_max`](Self::set_max).
+    #[inline]
+    pub const fn ray(&self) -> &Ray {
+        &self.ray
+    }
+
+    /// The interval that counts.
+    #[inline]
+    pub const fn interval(&self) -> Interval {
+        self.ray.interval
+    }
+
+    /// Ends the interval at `max`, itself included: what a search for the closest hit does at each hit.
+    #[inline]
+    pub const fn set_max(&mut self, max: f32) {
+        self.ray.interval.max = max;
+    }
+
+    /// Where the ray hits the triangle: `t` in units of the direction's length, correctly rounded; `None` for a miss.
+    ///
+    /// Exact as defined in [`exact`]: both sides count, edges and corners belong to the triangle, and the closed
+    /// interval is tested on the rounded `t`. Never `-0.0`. A triangle with a coordinate that is not finite is missed.
+    #[inline]
+    pub fn intersect(&self, triangle: &Triangle) -> Option<f32> {
+        match self.verdict(triangle) {
+            Verdict::Misses => None,
+            Verdict::Meets => self.depth(triangle),
+            Verdict::Doubt => self.settle(triangle),
+        }
+    }
+
+    /// The first stage alone. What is [`Doubt`](Verdict::Doubt) costs the next stages: for statistics, and for tests
+    /// of other implementations of this stage.
+    #[inline]
+    pub fn verdict(&self, triangle: &Triangle) -> Verdict {
+        let corners = *triangle.corners();
+        let e = match self.axis {
+            Axis::X => self.edge_functions(corners.map(|p| p.yzx())),
+            Axis::Y => self.edge_functions(corners.map(|p| p.zxy())),
+            Axis::Z => self.edge_functions(corners),
+            Axis::Never => return Verdict::Misses,
+        };
+        // No comparison holds for a NaN, and none for a function that is infinite together with its bound. `|` and `&`
+        // because the second comparison is cheaper than a branch.
+        let positive = [e.u > e.error, e.v > e.error, e.w > e.error];
+        let negative = [e.u < -e.error, e.v < -e.error, e.w < -e.error];
+        if any(positive) & any(negative) {
+            Verdict::Misses
+        } else if all(positive) | all(negative) {
+            Verdict::Meets
+        } else {
+            Verdict::Doubt
+        }
+    }
+
+    /// The edge functions of a triangle whose corners are in the frame's order, without fused multiply-add.
+    #[inline]
+    fn edge_functions(&self, corners: [Vec3; 3]) -> EdgeFunctions {
+        let [a, b, c] = corners.map(|p| {
+            let p = p - self.origin;
+            Vec3::new(p.x - self.shear[0] * p.z, p.y - self.shear[1] * p.z, p.z)
+        });
+        let depth = greatest(a.z.abs(), b.z.abs(), c.z.abs());
+        let lateral = greatest(
+            a.x.abs() + a.y.abs(),
+            b.x.abs() + b.y.abs(),
+            c.x.abs() + c.y.abs(),
+        );
+        EdgeFunctions {
+            u: c.x * b.y - c.y * b.x,
+            v: a.x * c.y - a.y * c.x,
+            w: b.x * a.y - b.y * a.x,
+            error: edge_function_error(depth, lateral),
+        }
+    }
+
+    /// The second and third stage.
+    #[cold]
+    #[inline(never)]
+    fn settle(&self, triangle: &Triangle) -> Option<f32> {
+        if exact::meets(&self.ray, triangle) {
+            self.depth(triangle)
+        } else {
+            None
+        }
+    }
+
+    /// The correctly rounded `t` of a line that meets the triangle, if it lies in the interval.
+    #[inline]
+    fn depth(&self, triangle: &Triangle) -> Option<f32> {
+        let interval = self.ray.interval;
+        let t = match filter::depth(&self.ray, triangle) {
+            Some((low, high)) => {
+                let (low, high) = (low as f32, high as f32);
+                // Adding +0 turns -0 into +0.
+                if low.to_bits() == high.to_bits() {
+                    low + 0.0
+                } else if high < interval.min || low > interval.max {
+                    return None;
+                } else {
+                    self.exact_depth(triangle)?
+                }
+            }
+            None => self.exact_depth(triangle)?,
+        };
+        (t.is_finite() && interval.contains(t)).then_some(t)
+    }
+
+    #[cold]
+    #[inline(never)]
+    fn exact_depth(&self, triangle: &Triangle) -> Option<f32> {
+        exact::depth_of_plane(&self.ray, triangle).map(|depth| depth.to_f32())
+    }
+}
+
+#[inline]
+fn any(facts: [bool; 3]) -> bool {
+    facts[0] | facts[1] | facts[2]
+}
+
+#[inline]
+fn all(facts: [bool; 3]) -> bool {
+    facts[0] & facts[1] & facts[2]
+}
+
+/// The greatest of three. `f32::max` would cost twice as much for its promise about NaN, which is not needed: a NaN
+/// coordinate makes two of the three edge functions NaN.
+#[inline]
+fn greatest(a: f32, b: f32, c: f32) -> f32 {
+    let ab = if a > b { a } else { b };
+    if ab > c { ab } else { c }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::exact::Sign;
+    use dashu_ratio::Relaxed;
+    use proptest::prelude::*;
+    use proptest::test_runner::RngSeed;
+
+    /// Coordinates that make trouble: few different values, neighbours of each other, and all magnitudes.
+    fn coordinate() -> impl Strategy<Value = f32> {
+        let near =
+            |x: f32| (-2i32..=2).prop_map(move |k| f32::from_bits((x.to_bits() as i32 + k) as u32));
+        prop_oneof![
+            8 => (-3i8..=3).prop_map(f32::from),
+            4 => near(0.1),
+            4 => near(-1.7),
+            4 => -10.0..10.0f32,
+            1 => prop::sample::select(vec![-0.0, 1e18, -1e18, 9.9e17, 1e-30, -3e-20, 1e-45, 5e-39, 1e30, f32::MAX]),
+        ]
+    }
+
+    fn vector() -> impl Strategy<Value = Vec3> {
+        prop::array::uniform3(coordinate()).prop_map(Vec3::from_array)
+    }
+
+    fn triangle() -> impl Strategy<Value = Triangle> {
+        prop::array::uniform3(vector()).prop_map(|[a, b, c]| Triangle::new(a, b, c))
+    }
+
+    fn ray() -> impl Strategy<Value = Ray> {
+        let interval = prop::sample::select(vec![
+            Interval::FORWARD,
+            Interval::new(f32::NEG_INFINITY, f32::INFINITY),
+            Interval::new(0.5, 2.0),
+        ]);
+        (vector(), vector(), interval).prop_map(|(origin, d, i)| Ray::new(origin, d).within(i))
+    }
+
+    /// The edge functions in the frame of the ray, without rounding.
+    fn exact_edge_functions(frame: &RayFrame, triangle: &Triangle) -> [Relaxed; 3] {
+        let rational = |v: Vec3| v.to_array().map(|x| Relaxed::try_from(x).unwrap());
+        let d = rational(frame.axis.order(frame.ray.direction));
+        let o = rational(frame.origin);
+        exact::edges(triangle).map(|(from, to)| {
+            let [[cx, cy, _], [bx, by, _]] = [from, to].map(|p| {
+                let p = rational(frame.axis.order(p));
+                let [x, y, z] = std::array::from_fn(|i| &p[i] - &o[i]);
+                [x - &z * &d[0] / &d[2], y - &z * &d[1] / &d[2], z]
+            });
+            cx * by - cy * bx
+        })
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig {
+            cases: 20_000,
+            rng_seed: RngSeed::Fixed(20_130_628),
+            ..ProptestConfig::default()
+        })]
+
+        #[test]
+        fn edge_functions_keep_their_error_bound(ray in ray(), triangle in triangle()) {
+            let frame = RayFrame::new(&ray);
+            prop_assume!(!matches!(frame.axis, Axis::Never));
+            let found = frame.edge_functions(triangle.corners().map(|p| frame.axis.order(p)));
+            let truth = exact_edge_functions(&frame, &triangle);
+            if found.error.is_finite() {
+                let bound = Relaxed::try_from(found.error).unwrap();
+                for (x, truth) in [found.u, found.v, found.w].into_iter().zip(truth) {
+                    if x.is_finite() {
+                        let error = Relaxed::try_from(x).unwrap() - truth;
+                        prop_assert!(error <= bound && -error <= bound, "{found:?}");
+                    } else {
+                        prop_assert!(x.is_infinite() && (truth > Relaxed::ZERO) == (x > 0.0));
+                    }
+                }
+            }
+        }
+
+        #[test]
+        fn every_stage_agrees_with_the_integers(ray in ray(), triangle in triangle()) {
+            let signs = exact::edge_signs(&ray, &triangle);
+            for (i, (from, to)) in exact::edges(&triangle).into_iter().enumerate() {
+                let sign = filter::edge_sign(&ray, from, to);
+                prop_assert!(sign.is_none_or(|sign| sign == signs[i]));
+            }
+            prop_assert_eq!(exact::meets(&ray, &triangle), exact::is_inside(signs));
+            let frame = RayFrame::new(&ray);
+            match frame.verdict(&triangle) {
+                Verdict::Meets => {
+                    prop_assert!(signs[0] != Sign::Zero && signs == [signs[0]; 3]);
+                }
+                Verdict::Misses => {
+                    prop_assert!(!ray.is_traceable() || !exact::is_inside(signs));
+                }
+                Verdict::Doubt => {}
+            }
+            prop_assert_eq!(
+                frame.intersect(&triangle).map(f32::to_bits),
+                exact::intersect(&ray, &triangle).map(f32::to_bits)
+            );
+        }
+    }
+
+    /// Two triangles of one quadrilateral in the plane `z = 1`, sharing the edge from `(0, 0)` to `(3, 1)`.
+    fn neighbours() -> [Triangle; 2] {
+        let [p, q] = [Vec3::new(0.0, 0.0, 1.0), Vec3::new(3.0, 1.0, 1.0)];
+        [
+            Triangle::new(p, q, Vec3::new(0.0, 2.0, 1.0)),
+            Triangle::new(q, p, Vec3::new(2.0, -1.0, 1.0)),
+        ]
+    }
+
+    #[test]
+    fn neighbours_agree_about_their_shared_edge() {
+        for (x, y, hits) in [
+            (1.5, 0.5, [true, true]),
+            (1.5, 0.5_f32.next_up(), [true, false]),
+            (1.5, 0.5_f32.next_down(), [false, true]),
+            (0.0, 0.0, [true, true]),
+            (3.0, 1.0, [true, true]),
+            (3.0, 1.0_f32.next_up(), [false, false]),
+        ] {
+            for direction in [Vec3::Z, Vec3::NEG_Z] {
+                let ray = Ray::new(Vec3::new(x, y, 1.0 - 4.0 * direction.z), direction);
+                let frame = RayFrame::new(&ray);
+                let found = neighbours().map(|t| frame.intersect(&t));
+                assert_eq!(found.map(|t| t.is_some()), hits, "at {x} {y} {direction}");
+                assert!(found.into_iter().flatten().all(|t| t == 4.0));
+            }
+        }
+    }
+
+    #[test]
+    fn a_zero_component_of_the_direction_has_no_sign() {
+        for [x, y] in [[0.0, 0.0], [-0.0, 0.0], [0.0, -0.0], [-0.0, -0.0]] {
+            for axis in 0..3 {
+                // The same picture along each axis.
+                let turn = |v: Vec3| Vec3::from_array(std::array::from_fn(|i| v[(i + axis) % 3]));
+                let [a, b, c] = neighbours()[0].corners().map(turn);
+                let origin = turn(Vec3::new(1.5, 0.5, 0.0));
+                let ray = Ray::new(origin, turn(Vec3::new(x, y, 0.5)));
+                let frame = RayFrame::new(&ray);
+                assert_eq!(frame.intersect(&Triangle::new(a, b, c)), Some(2.0));
+            }
+        }
+    }
+
+    #[test]
+    fn a_ray_that_starts_on_a_triangle_hits_it_at_plus_zero() {
+        for direction in [Vec3::Z, Vec3::NEG_Z, Vec3::new(-0.3, 0.7, 0.1)] {
+            let frame = RayFrame::new(&Ray::new(Vec3::new(1.0, 1.0, 1.0), direction));
+            let t = frame.intersect(&neighbours()[0]);
+            assert_eq!(t.map(f32::to_bits), Some(0));
+        }
+    }
+
+    #[test]
+    fn the_ends_of_the_interval_are_compared_with_the_rounded_depth() {
+        let ray = Ray::new(Vec3::new(1.5, 1.0, 0.0), Vec3::new(0.0, 0.0, 3.0));
+        let third = 1.0 / 3.0;
+        let within = |min, max| {
+            let mut frame = RayFrame::new(&ray.within(Interval::new(min, f32::MAX)));
+            frame.set_max(max);
+            frame.intersect(&neighbours()[0])
+        };
+        assert_eq!(within(third, third), Some(third));
+        assert_eq!(within(third.next_up(), 1.0), None);
+        assert_eq!(within(0.0, third.next_down()), None);
+    }
+
+    #[test]
+    fn what_cannot_be_traced_hits_nothing() {
+        let good = Ray::new(Vec3::new(1.5, 1.0, 0.0), Vec3::Z);
+        assert!(RayFrame::new(&good).intersect(&neighbours()[0]).is_some());
+        let bad = [
+            Ray::new(Vec3::NAN, Vec3::Z),
+            Ray::new(good.origin, Vec3::new(f32::INFINITY, 0.0, 1.0)),
+            Ray::new(good.origin, Vec3::ZERO),
+            good.within(Interval::new(5.0, 0.0)),
+            good.within(Interval::new(f32::NAN, 1.0)),
+        ];
+        for ray in bad {
+            assert_eq!(RayFrame::new(&ray).intersect(&neighbours()[0]), None);
+        }
+        let [a, b, _] = *neighbours()[0].corners();
+        for corner in [Vec3::NAN, Vec3::INFINITY, Vec3::new(0.0, f32::NAN, 1.0)] {
+            let frame = RayFrame::new(&good);
+            assert_eq!(frame.intersect(&Triangle::new(a, b, corner)), None);
+        }
+    }
+}
