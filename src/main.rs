@@ -1,1 +1,7 @@
-fn main() {}
+//! The program `bspray`: see `bspray --help`.
+
+mod cli;
+
+fn main() -> std::process::ExitCode {
+    cli::run()
+}

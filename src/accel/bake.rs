@@ -9,6 +9,58 @@ use glam::{DAffine3, DVec3};
 use crate::geometry::{Aabb, Ray, Triangle};
 use crate::scene::{Instance, Scene};
 
+/// In which space each instance's triangles are tested.
+///
+/// This is for those who want to test a triangle as the accelerators do, to judge their answers.
+#[derive(Clone, Debug)]
+pub struct TestSpaces {
+    /// For instances that are tested in object space, the way there.
+    object_from_world: Vec<Option<DAffine3>>,
+}
+
+impl TestSpaces {
+    /// Decides for every instance of the scene.
+    pub fn of(scene: &Scene) -> Self {
+        let mut uses = vec![0_u32; scene.meshes.len()];
+        scene
+            .instances
+            .iter()
+            .for_each(|i| uses[i.mesh as usize] += 1);
+        let inverse = |i: &Instance| i.object_from_world().filter(|_| uses[i.mesh as usize] > 1);
+        Self {
+            object_from_world: scene.instances.iter().map(inverse).collect(),
+        }
+    }
+
+    /// The ray and the triangle that are tested against one another: both in world space, or both in the instance's.
+    pub fn test(&self, scene: &Scene, ray: &Ray, instance: u32, triangle: u32) -> (Ray, Triangle) {
+        let placed = &scene.instances[instance as usize];
+        let in_object = scene.mesh_of(instance).triangle(triangle);
+        match &self.object_from_world[instance as usize] {
+            Some(object_from_world) => (object_ray(object_from_world, ray), in_object),
+            None => {
+                let [a, b, c] = in_object.corners().map(|p| placed.world_point(p));
+                (*ray, Triangle::new(a, b, c))
+            }
+        }
+    }
+}
+
+/// The ray in object space: `t` keeps its meaning. Computed in double precision and rounded once.
+fn object_ray(object_from_world: &DAffine3, ray: &Ray) -> Ray {
+    let origin = object_from_world
+        .transform_point3(ray.origin.as_dvec3())
+        .as_vec3();
+    let direction = object_from_world
+        .transform_vector3(ray.direction.as_dvec3())
+        .as_vec3();
+    Ray {
+        origin,
+        direction,
+        ..*ray
+    }
+}
+
 /// A triangle ready for tests, with the names that its hits carry.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct NamedTriangle {
@@ -44,21 +96,9 @@ pub(super) struct PlacedInstance {
 }
 
 impl PlacedInstance {
-    /// The ray in object space: `t` keeps its meaning. Computed in double precision and rounded once.
+    /// The ray in object space.
     pub(super) fn object_ray(&self, ray: &Ray) -> Ray {
-        let origin = self
-            .object_from_world
-            .transform_point3(ray.origin.as_dvec3())
-            .as_vec3();
-        let direction = self
-            .object_from_world
-            .transform_vector3(ray.direction.as_dvec3())
-            .as_vec3();
-        Ray {
-            origin,
-            direction,
-            ..*ray
-        }
+        object_ray(&self.object_from_world, ray)
     }
 }
 
@@ -71,12 +111,7 @@ pub(super) struct Baked {
 
 /// Sorts the scene's triangles into sets. Sets without triangles are left out.
 pub(super) fn bake(scene: &Scene) -> Baked {
-    let mut uses = vec![0_u32; scene.meshes.len()];
-    scene
-        .instances
-        .iter()
-        .for_each(|i| uses[i.mesh as usize] += 1);
-
+    let spaces = TestSpaces::of(scene);
     let mut baked = Baked::default();
     let mut world = TriangleSet::new();
     let mut set_of_mesh: Vec<Option<u32>> = vec![None; scene.meshes.len()];
@@ -86,8 +121,7 @@ pub(super) fn bake(scene: &Scene) -> Baked {
         if mesh.triangles.is_empty() {
             continue;
         }
-        let shared = uses[instance.mesh as usize] > 1;
-        let Some(object_from_world) = instance.object_from_world().filter(|_| shared) else {
+        let Some(object_from_world) = spaces.object_from_world[index as usize] else {
             append_in_world(&mut world, scene, index);
             continue;
         };

@@ -11,7 +11,7 @@ use obvhs::bvh2::Bvh2;
 use obvhs::bvh2::builder::build_bvh2;
 use obvhs::bvh2::node::Bvh2Node;
 use obvhs::cwbvh::CwBvh;
-use obvhs::cwbvh::bvh2_to_cwbvh::bvh2_to_cwbvh;
+use obvhs::cwbvh::builder::build_cwbvh;
 use obvhs::ray::{Ray as ObvhsRay, RayHit};
 use obvhs::{BvhBuildParams, fast_stack, traverse};
 
@@ -54,10 +54,8 @@ impl BoxTree {
             .map(|b| obvhs::aabb::Aabb::new(Vec3A::from(b.min), Vec3A::from(b.max)))
             .collect();
         let build = || {
-            let binary = build_bvh2(&boxes, PRESET, &mut Duration::default());
             if kind == BvhKind::Wide {
-                // Up to three primitives a leaf is the format's limit.
-                let wide = bvh2_to_cwbvh(&binary, 3, true, false);
+                let wide = build_cwbvh(&boxes, PRESET, &mut Duration::default());
                 let depth = wide_depth(&wide);
                 if depth < WIDE_STACK {
                     let order = wide.primitive_indices.clone();
@@ -69,8 +67,9 @@ impl BoxTree {
                         order,
                     );
                 }
+                // Only boxes one within the other make so deep a tree; the binary one has a stack for it.
             }
-            let mut binary = binary;
+            let mut binary = build_bvh2(&boxes, PRESET, &mut Duration::default());
             let depth = binary_depth(&binary);
             binary.max_depth = depth as usize + 1;
             let order = binary.primitive_indices.clone();

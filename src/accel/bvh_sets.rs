@@ -1,10 +1,8 @@
 //! Triangles and placements under obvhs's trees, with the guards that a fair baseline needs.
 //!
-//! Triangles with one and the same box share an entry of the tree: obvhs 0.4.0 builds a chain as long as their number out of
-//! them (20,000: 12 s; 100,000: it overflows the stack). Ties, whose winner would depend on the build, are decided by
+//! obvhs 0.4.0 makes chains of boxes that lie about one point, equal or one within the other (20,000: 12 s and more; 100,000
+//! equal ones: it overflows the stack). So equal boxes share an entry of the tree, and entries about one point are bounded. Ties, whose winner would depend on the build, are decided by
 //! [`Nearest`]; the walk is kept long enough to see them all.
-
-use std::collections::HashMap;
 
 use super::TraceSet;
 use super::bake::{NamedTriangle, Placement, TriangleSet};
@@ -21,6 +19,12 @@ use crate::geometry::{Aabb, Ray, RayFrame};
 /// to which rays are cut. Only instances with a very uneven scale, or very far from their own origin, have more.
 const LARGEST_MARGIN: f64 = 0.0025;
 
+/// Boxes about one point that the tree gets at most. obvhs takes 0.1 s to build a chain of so many.
+const MOST_ABOUT_A_POINT: usize = 1024;
+
+/// Cells a normalised unit, within which centres of boxes count as one point: about what obvhs's Morton codes tell apart.
+const CELLS: f32 = 524_288.0;
+
 /// A set of triangles under one of obvhs's trees.
 pub(super) struct BvhSet {
     space: NormalizedSpace,
@@ -34,22 +38,7 @@ impl BvhSet {
     pub(super) fn build(set: TriangleSet, kind: BvhKind) -> Self {
         let bounds = set.iter().flat_map(|t| *t.triangle.corners()).collect();
         let space = NormalizedSpace::around(&bounds);
-        // Triangles with the same box share an entry: the two halves of a rectangle, and coincident copies.
-        let mut entry_of_box: HashMap<[u32; 6], usize> = HashMap::with_capacity(set.len());
-        let mut boxes = Vec::with_capacity(set.len());
-        let mut entries: Vec<Vec<u32>> = Vec::with_capacity(set.len());
-        for (index, named) in set.iter().enumerate() {
-            let tight: Aabb = named.triangle.corners().iter().copied().collect();
-            let padded = space.padded(&tight, 0.0);
-            let key = [padded.min.to_array(), padded.max.to_array()].concat();
-            let key = std::array::from_fn(|i| key[i].to_bits());
-            let entry = *entry_of_box.entry(key).or_insert_with(|| {
-                boxes.push(padded);
-                entries.push(Vec::new());
-                boxes.len() - 1
-            });
-            entries[entry].push(index as u32);
-        }
+        let (boxes, entries) = entries(&set, &space);
         let (tree, order) = BoxTree::build(&boxes, kind);
         let mut first_triangle = Vec::with_capacity(order.len() + 1);
         let mut triangles = TriangleSet::with_capacity(set.len());
@@ -66,10 +55,45 @@ impl BvhSet {
         }
     }
 
+    /// The triangles of an entry of the tree.
     fn entry(&self, entry: u32) -> &[NamedTriangle] {
         let [first, end] = [0, 1].map(|i| self.first_triangle[entry as usize + i] as usize);
         &self.triangles[first..end]
     }
+}
+
+/// Boxes for the tree, and the triangles that each stands for.
+///
+/// Triangles with the same box share one: the two halves of a rectangle, and coincident copies. Of boxes about one point no
+/// more than [`MOST_ABOUT_A_POINT`] are left: further ones are joined with those next in size.
+fn entries(set: &TriangleSet, space: &NormalizedSpace) -> (Vec<Aabb>, Vec<Vec<u32>>) {
+    let mut sorted: Vec<([i32; 3], [u32; 6], Aabb, u32)> = set
+        .iter()
+        .enumerate()
+        .map(|(index, named)| {
+            let padded = space.padded(&named.triangle.bounds(), 0.0);
+            let cell = (padded.center() * CELLS).as_ivec3().to_array();
+            // Sizes first, so that neighbours in the order are alike.
+            let key = [padded.extent().to_array(), padded.min.to_array()].concat();
+            (
+                cell,
+                std::array::from_fn(|i| key[i].to_bits()),
+                padded,
+                index as u32,
+            )
+        })
+        .collect();
+    sorted.sort_unstable_by_key(|&(cell, bits, _, index)| (cell, bits, index));
+    let (mut boxes, mut entries) = (Vec::new(), Vec::new());
+    for about_a_point in sorted.chunk_by(|a, b| a.0 == b.0) {
+        let same_box: Vec<_> = about_a_point.chunk_by(|a, b| a.1 == b.1).collect();
+        for joined in same_box.chunks(same_box.len().div_ceil(MOST_ABOUT_A_POINT)) {
+            let members = || joined.iter().copied().flatten();
+            boxes.push(members().fold(Aabb::EMPTY, |b, m| b.union(m.2)));
+            entries.push(members().map(|m| m.3).collect());
+        }
+    }
+    (boxes, entries)
 }
 
 impl TraceSet for BvhSet {

@@ -14,6 +14,7 @@ mod instances;
 mod linear;
 mod normalized;
 
+pub use bake::TestSpaces;
 pub use counters::{BuildStats, TraceCounters};
 pub use hit::Hit;
 

@@ -91,7 +91,12 @@ pub fn instance_margin(norm: f64, inverse_norm: f64, object_radius: f64, reach: 
 /// [`instance_margin`] for an origin on the surface: `reach * inverse_norm` is then at most sqrt(3) `object_radius`, the
 /// greatest coordinate of the mesh. A smaller offset lets a surface shadow itself; a larger one lets light leak through thin walls.
 pub fn surface_offset_factors(world_from_object: glam::DMat3, object_radius: f32) -> (f32, f32) {
-    let norm = world_from_object.to_cols_array().iter().map(|x| x * x).sum::<f64>().sqrt();
+    let norm = world_from_object
+        .to_cols_array()
+        .iter()
+        .map(|x| x * x)
+        .sum::<f64>()
+        .sqrt();
     let radius = 1.7321 * f64::from(object_radius);
     (8.0 * U32, instance_margin(norm, 1.0, radius, radius) as f32)
 }

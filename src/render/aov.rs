@@ -65,24 +65,45 @@ pub const LAYERS: &[Layer] = &[
     Layer {
         name: "distance",
         description: "distance from the eye, in model units; infinite where nothing is met",
-        channels: &[("distance", Value::Float(first!(f32::INFINITY, hit => hit.distance)))],
+        channels: &[(
+            "distance",
+            Value::Float(first!(f32::INFINITY, hit => hit.distance)),
+        )],
     },
     Layer {
         name: "N",
         description: "shading normal in world space, towards the eye, of unit length; zero where nothing is met",
         channels: &[
-            ("N.X", Value::Float(first!(0.0, hit => hit.shading_normal.x))),
-            ("N.Y", Value::Float(first!(0.0, hit => hit.shading_normal.y))),
-            ("N.Z", Value::Float(first!(0.0, hit => hit.shading_normal.z))),
+            (
+                "N.X",
+                Value::Float(first!(0.0, hit => hit.shading_normal.x)),
+            ),
+            (
+                "N.Y",
+                Value::Float(first!(0.0, hit => hit.shading_normal.y)),
+            ),
+            (
+                "N.Z",
+                Value::Float(first!(0.0, hit => hit.shading_normal.z)),
+            ),
         ],
     },
     Layer {
         name: "Ng",
         description: "geometric normal in world space, towards the eye, of unit length; zero where nothing is met",
         channels: &[
-            ("Ng.X", Value::Float(first!(0.0, hit => hit.geometric_normal.x))),
-            ("Ng.Y", Value::Float(first!(0.0, hit => hit.geometric_normal.y))),
-            ("Ng.Z", Value::Float(first!(0.0, hit => hit.geometric_normal.z))),
+            (
+                "Ng.X",
+                Value::Float(first!(0.0, hit => hit.geometric_normal.x)),
+            ),
+            (
+                "Ng.Y",
+                Value::Float(first!(0.0, hit => hit.geometric_normal.y)),
+            ),
+            (
+                "Ng.Z",
+                Value::Float(first!(0.0, hit => hit.geometric_normal.z)),
+            ),
         ],
     },
     Layer {
@@ -131,8 +152,14 @@ pub const LAYERS: &[Layer] = &[
         description: "inner nodes, leaves and triangles that all rays of the pixel's samples tested",
         channels: &[
             ("cost.nodes", Value::Id(|sum, _| saturated(sum.cost.nodes))),
-            ("cost.leaves", Value::Id(|sum, _| saturated(sum.cost.leaves))),
-            ("cost.prims", Value::Id(|sum, _| saturated(sum.cost.primitives))),
+            (
+                "cost.leaves",
+                Value::Id(|sum, _| saturated(sum.cost.leaves)),
+            ),
+            (
+                "cost.prims",
+                Value::Id(|sum, _| saturated(sum.cost.primitives)),
+            ),
         ],
     },
     Layer {
@@ -165,7 +192,9 @@ pub fn layers(film: &Film, camera: &CameraFrame) -> Picture {
         picture = picture.with_channel(Channel::new(*name, samples));
     }
     let [to_camera, to_ndc] = matrices(camera).map(|m| Attribute::M44(m.as_mat4().to_cols_array()));
-    picture.with_attribute(attribute::WORLD_TO_CAMERA, to_camera).with_attribute(attribute::WORLD_TO_NDC, to_ndc)
+    picture
+        .with_attribute(attribute::WORLD_TO_CAMERA, to_camera)
+        .with_attribute(attribute::WORLD_TO_NDC, to_ndc)
 }
 
 /// World space to OpenEXR's camera space (x right, y up, z forward), and on to x and y from -1 to 1 over the picture.
@@ -175,8 +204,18 @@ fn matrices(camera: &CameraFrame) -> [DMat4; 2] {
     let to_camera = DMat4::from_cols(row(right), row(up), row(-back), DVec4::W).transpose();
     let (half_width, half_height) = camera.half_size();
     // Depth is kept as it is: in the perspective case divided by itself, which leaves 1.
-    let last = if camera.is_perspective() { DVec4::Z } else { DVec4::W };
-    let project = DMat4::from_cols(DVec4::X / half_width, DVec4::Y / half_height, DVec4::Z, last).transpose();
+    let last = if camera.is_perspective() {
+        DVec4::Z
+    } else {
+        DVec4::W
+    };
+    let project = DMat4::from_cols(
+        DVec4::X / half_width,
+        DVec4::Y / half_height,
+        DVec4::Z,
+        last,
+    )
+    .transpose();
     [to_camera, project * to_camera]
 }
 
@@ -200,16 +239,27 @@ mod tests {
 
     #[test]
     fn matrices_take_points_on_a_ray_to_its_pixel() {
-        for projection in [Projection::Perspective { view_angle: 40.0 }, Projection::Orthographic { height: 3.0 }] {
+        for projection in [
+            Projection::Perspective { view_angle: 40.0 },
+            Projection::Orthographic { height: 3.0 },
+        ] {
             let frame = camera(projection);
             let ray = frame.ray(80.0, 150.0, None);
             let point = ray.origin.as_dvec3() + ray.direction.as_dvec3() * 7.0;
             let [to_camera, to_ndc] = matrices(&frame);
             let ndc = to_ndc * point.extend(1.0);
-            assert!((ndc.x / ndc.w + 0.5).abs() < 1e-6 && (ndc.y / ndc.w + 0.5).abs() < 1e-6, "{ndc}");
+            assert!(
+                (ndc.x / ndc.w + 0.5).abs() < 1e-6 && (ndc.y / ndc.w + 0.5).abs() < 1e-6,
+                "{ndc}"
+            );
             let depth = to_camera.transform_point3(point).z;
             assert!((depth - f64::from(frame.depth(point.as_vec3()))).abs() < 1e-5);
-            assert!(to_camera.transform_point3(DVec3::new(1.0, 2.0, 3.0)).length() < 1e-12);
+            assert!(
+                to_camera
+                    .transform_point3(DVec3::new(1.0, 2.0, 3.0))
+                    .length()
+                    < 1e-12
+            );
         }
     }
 
@@ -218,10 +268,24 @@ mod tests {
         let mut names: Vec<_> = LAYERS.iter().flat_map(Layer::channels).collect();
         names.sort_unstable();
         assert!(names.windows(2).all(|n| n[0] != n[1]));
-        let film = Film::new((320, 200), PixelRect { x: 30, y: 20, width: 5, height: 4 });
+        let film = Film::new(
+            (320, 200),
+            PixelRect {
+                x: 30,
+                y: 20,
+                width: 5,
+                height: 4,
+            },
+        );
         let picture = layers(&film, &camera(Projection::Perspective { view_angle: 40.0 }));
         assert_eq!(picture.channels.len(), names.len());
-        assert_eq!((picture.display, picture.window.x, picture.window.height), ((320, 200), 30, 4));
-        assert_eq!(picture.channel("id"), Some(&Samples::U32(vec![NOTHING; 20])));
+        assert_eq!(
+            (picture.display, picture.window.x, picture.window.height),
+            ((320, 200), 30, 4)
+        );
+        assert_eq!(
+            picture.channel("id"),
+            Some(&Samples::U32(vec![NOTHING; 20]))
+        );
     }
 }

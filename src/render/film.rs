@@ -30,7 +30,12 @@ impl PixelRect {
 
     /// Columns and rows of all pixels, row by row.
     pub fn pixels(&self) -> impl Iterator<Item = (u32, u32)> + use<> {
-        let Self { x, y, width, height } = *self;
+        let Self {
+            x,
+            y,
+            width,
+            height,
+        } = *self;
         (y..y + height).flat_map(move |row| (x..x + width).map(move |column| (column, row)))
     }
 }
@@ -84,7 +89,11 @@ impl PixelSum {
     /// The mean of the samples; black before the first.
     pub fn mean(&self) -> Sample {
         let share = 1.0 / self.samples.max(1) as f32;
-        Sample { color: self.color * share, alpha: self.alpha * share, backdrop: self.backdrop * share }
+        Sample {
+            color: self.color * share,
+            alpha: self.alpha * share,
+            backdrop: self.backdrop * share,
+        }
     }
 }
 
@@ -123,10 +132,20 @@ impl Film {
                     height: TILE.min(window.height - y),
                 };
                 let sums = vec![PixelSum::default(); rect.area() as usize];
-                tiles.push(Tile { rect, sums, first_hits: Vec::new(), rays: RayCounts::default() });
+                tiles.push(Tile {
+                    rect,
+                    sums,
+                    first_hits: Vec::new(),
+                    rays: RayCounts::default(),
+                });
             }
         }
-        Self { size, window, tiles, is_complete: false }
+        Self {
+            size,
+            window,
+            tiles,
+            is_complete: false,
+        }
     }
 
     /// Rays sent for all pixels.
@@ -139,22 +158,33 @@ impl Film {
     /// Steps of traversal of all pixels, where they were counted.
     pub fn cost(&self) -> TraceCounters {
         let mut sum = TraceCounters::default();
-        self.tiles.iter().flat_map(|t| &t.sums).for_each(|p| sum += p.cost);
+        self.tiles
+            .iter()
+            .flat_map(|t| &t.sums)
+            .for_each(|p| sum += p.cost);
         sum
     }
 
     /// Samples of all pixels.
     pub fn samples(&self) -> u64 {
-        self.tiles.iter().flat_map(|t| &t.sums).map(|p| u64::from(p.samples)).sum()
+        self.tiles
+            .iter()
+            .flat_map(|t| &t.sums)
+            .map(|p| u64::from(p.samples))
+            .sum()
     }
 
     /// A value of every pixel of the window, row by row from the top.
-    pub fn map<T: Clone + Default>(&self, mut value: impl FnMut(&PixelSum, Option<&FirstHit>) -> T) -> Vec<T> {
+    pub fn map<T: Clone + Default>(
+        &self,
+        mut value: impl FnMut(&PixelSum, Option<&FirstHit>) -> T,
+    ) -> Vec<T> {
         let mut values = vec![T::default(); self.window.area() as usize];
         for tile in &self.tiles {
             for (index, ((x, y), sum)) in tile.rect.pixels().zip(&tile.sums).enumerate() {
                 let first = tile.first_hits.get(index).and_then(Option::as_ref);
-                let place = (y - self.window.y) as usize * self.window.width as usize + (x - self.window.x) as usize;
+                let place = (y - self.window.y) as usize * self.window.width as usize
+                    + (x - self.window.x) as usize;
                 values[place] = value(sum, first);
             }
         }
@@ -168,7 +198,12 @@ mod tests {
 
     #[test]
     fn tiles_cover_the_window_once() {
-        let window = PixelRect { x: 7, y: 11, width: 70, height: 33 };
+        let window = PixelRect {
+            x: 7,
+            y: 11,
+            width: 70,
+            height: 33,
+        };
         let mut film = Film::new((200, 100), window);
         assert_eq!(film.tiles.len(), 6);
         for tile in &mut film.tiles {

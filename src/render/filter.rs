@@ -42,7 +42,9 @@ impl FilterSampler {
     }
 
     fn offset(&self, u: f32) -> f64 {
-        let Some(table) = &self.inverse_cdf else { return f64::from(u) - 0.5 };
+        let Some(table) = &self.inverse_cdf else {
+            return f64::from(u) - 0.5;
+        };
         let place = f64::from(u) * (TABLE - 1) as f64;
         let index = (place as usize).min(TABLE - 2);
         let [low, high] = [table[index], table[index + 1]].map(f64::from);
@@ -53,7 +55,8 @@ impl FilterSampler {
 /// The window, for `x` from -1 to 1 (Harris 1978, the four-term window of -92 dB).
 fn blackman_harris(x: f64) -> f64 {
     let phase = std::f64::consts::PI * (x + 1.0);
-    0.35875 - 0.48829 * libm::cos(phase) + 0.14128 * libm::cos(2.0 * phase) - 0.01168 * libm::cos(3.0 * phase)
+    0.35875 - 0.48829 * libm::cos(phase) + 0.14128 * libm::cos(2.0 * phase)
+        - 0.01168 * libm::cos(3.0 * phase)
 }
 
 fn blackman_harris_inverse_cdf() -> Box<[f32]> {
@@ -104,7 +107,15 @@ mod tests {
             want_inside += if x.abs() < 0.5 { w } else { 0.0 };
             want_square += w * x * x;
         }
-        assert!((inside - want_inside / weight).abs() < 2e-3, "{inside} {}", want_inside / weight);
-        assert!((square - want_square / weight).abs() < 2e-3, "{square} {}", want_square / weight);
+        assert!(
+            (inside - want_inside / weight).abs() < 2e-3,
+            "{inside} {}",
+            want_inside / weight
+        );
+        assert!(
+            (square - want_square / weight).abs() < 2e-3,
+            "{square} {}",
+            want_square / weight
+        );
     }
 }

@@ -31,8 +31,11 @@ pub struct CameraWishes {
 /// near as the whole scene allows, in the direction wished for or else before the scene, to the right and above.
 pub fn frame_scene(scene: &Scene, wishes: &CameraWishes, up: Vec3, aspect: f64) -> Camera {
     let bounds = scene.bounds();
-    let (center, radius) =
-        if bounds.is_empty() { (Vec3::ZERO, 1.0) } else { (bounds.center(), (bounds.diagonal() / 2.0).max(1e-30)) };
+    let (center, radius) = if bounds.is_empty() {
+        (Vec3::ZERO, 1.0)
+    } else {
+        (bounds.center(), (bounds.diagonal() / 2.0).max(1e-30))
+    };
     let view_angle = wishes.view_angle.unwrap_or(DEFAULT_VIEW_ANGLE);
     let mut camera = Camera {
         name: String::new(),
@@ -48,7 +51,9 @@ pub fn frame_scene(scene: &Scene, wishes: &CameraWishes, up: Vec3, aspect: f64) 
                 (Some(focal_point), _) => focal_point,
                 (None, Some(direction)) => position + direction.normalize_or_zero() * radius,
                 // An eye in the very middle of the scene looks at something all the same.
-                (None, None) if position.distance(center) < radius * 1e-4 => position + three_quarter(up) * radius,
+                (None, None) if position.distance(center) < radius * 1e-4 => {
+                    position + three_quarter(up) * radius
+                }
                 (None, None) => center,
             };
         }
@@ -56,7 +61,13 @@ pub fn frame_scene(scene: &Scene, wishes: &CameraWishes, up: Vec3, aspect: f64) 
             let direction = wishes.direction.unwrap_or_else(|| three_quarter(up));
             camera.focal_point = focal_point.unwrap_or(center);
             camera.position = camera.focal_point - direction.normalize_or_zero() * radius;
-            fit(&mut camera, scene, view_angle, aspect, focal_point.is_some());
+            fit(
+                &mut camera,
+                scene,
+                view_angle,
+                aspect,
+                focal_point.is_some(),
+            );
         }
     }
     camera
@@ -66,8 +77,14 @@ pub fn frame_scene(scene: &Scene, wishes: &CameraWishes, up: Vec3, aspect: f64) 
 fn three_quarter(up: Vec3) -> Vec3 {
     // "Before" is +z where y is up, as glTF has it, and -y where z is up, as Blender has it.
     let up = up.normalize_or_zero();
-    let front = if up.z.abs() > 0.9 { Vec3::NEG_Y } else { Vec3::Z };
-    let front = (front - up * front.dot(up)).try_normalize().unwrap_or(Vec3::X);
+    let front = if up.z.abs() > 0.9 {
+        Vec3::NEG_Y
+    } else {
+        Vec3::Z
+    };
+    let front = (front - up * front.dot(up))
+        .try_normalize()
+        .unwrap_or(Vec3::X);
     let right = up.cross(front);
     -(front * 0.80 + right * 0.55 + up * 0.45).normalize_or_zero()
 }
@@ -77,7 +94,9 @@ fn three_quarter(up: Vec3) -> Vec3 {
 /// In the camera's axes a point at (x, y, z) is within the right edge if x - ex <= (ez - z) tan, for an eye at (ex, ey, ez). So
 /// the least ez for each pair of opposite edges follows from the extremes of x + z tan and -x + z tan over all points.
 fn fit(camera: &mut Camera, scene: &Scene, view_angle: f32, aspect: f64, is_centered: bool) {
-    let Some(frame) = camera.frame(1000, 1000) else { return };
+    let Some(frame) = camera.frame(1000, 1000) else {
+        return;
+    };
     let [right, up, back, _] = frame.world_from_camera();
     let origin = camera.focal_point.as_dvec3();
     let half_height = libm::tan(f64::from(view_angle).to_radians() / 2.0) * (1.0 - MARGIN);
@@ -118,9 +137,17 @@ mod tests {
     /// A long thin triangle, so that the fit across and along the view differ.
     fn scene() -> Scene {
         let mesh = TriangleMesh {
-            positions: vec![Vec3::new(100.0, 0.0, 0.0), Vec3::new(108.0, 1.0, 0.0), Vec3::new(100.0, 0.0, 2.0)],
+            positions: vec![
+                Vec3::new(100.0, 0.0, 0.0),
+                Vec3::new(108.0, 1.0, 0.0),
+                Vec3::new(100.0, 0.0, 2.0),
+            ],
             triangles: vec![[0, 1, 2]],
-            parts: vec![Part { first_triangle: 0, triangle_count: 1, material: 0 }],
+            parts: vec![Part {
+                first_triangle: 0,
+                triangle_count: 1,
+                material: 0,
+            }],
             ..TriangleMesh::default()
         };
         Scene {
@@ -132,14 +159,19 @@ mod tests {
 
     /// Screen positions of all corners, from 0 to 1.
     fn on_screen(camera: &Camera, aspect: f64) -> Vec<(f64, f64)> {
-        let frame = camera.frame((1000.0 * aspect) as u32, 1000).expect("a camera that sees the scene");
+        let frame = camera
+            .frame((1000.0 * aspect) as u32, 1000)
+            .expect("a camera that sees the scene");
         let [right, up, back, eye] = frame.world_from_camera();
         let half = frame.half_size();
         let place = |p: Vec3| {
             let p = p.as_dvec3() - eye;
             let z = -p.dot(back);
             assert!(z > 0.0, "behind the eye");
-            ((p.dot(right) / z / half.0 + 1.0) / 2.0, (p.dot(up) / z / half.1 + 1.0) / 2.0)
+            (
+                (p.dot(right) / z / half.0 + 1.0) / 2.0,
+                (p.dot(up) / z / half.1 + 1.0) / 2.0,
+            )
         };
         scene().world_vertices().map(place).collect()
     }
@@ -148,13 +180,19 @@ mod tests {
     fn the_whole_scene_is_seen_and_touches_the_margin() {
         for aspect in [0.5, 1.0, 3.0] {
             for direction in [None, Some(Vec3::NEG_Z), Some(Vec3::new(-3.0, 0.1, 0.2))] {
-                let wishes = CameraWishes { direction, ..CameraWishes::default() };
+                let wishes = CameraWishes {
+                    direction,
+                    ..CameraWishes::default()
+                };
                 let places = on_screen(&frame_scene(&scene(), &wishes, Vec3::Y, aspect), aspect);
                 let all = places.iter().flat_map(|p| [p.0, p.1]);
                 let (least, greatest) =
                     all.fold((1.0_f64, 0.0_f64), |(l, g), x| (l.min(x), g.max(x)));
                 assert!(least > MARGIN / 2.0 - 1e-3 && greatest < 1.0 - MARGIN / 2.0 + 1e-3);
-                assert!(least < MARGIN / 2.0 + 1e-3 && greatest > 1.0 - MARGIN / 2.0 - 1e-3, "{places:?}");
+                assert!(
+                    least < MARGIN / 2.0 + 1e-3 && greatest > 1.0 - MARGIN / 2.0 - 1e-3,
+                    "{places:?}"
+                );
             }
         }
     }
@@ -170,9 +208,20 @@ mod tests {
         let camera = frame_scene(&scene(), &wishes, Vec3::Y, 1.0);
         assert_eq!(camera.position, Vec3::new(1.0, 2.0, 3.0));
         assert_eq!(camera.focal_point, scene().bounds().center());
-        assert_eq!((camera.view_up, camera.projection), (Vec3::X, Projection::Perspective { view_angle: 50.0 }));
+        assert_eq!(
+            (camera.view_up, camera.projection),
+            (Vec3::X, Projection::Perspective { view_angle: 50.0 })
+        );
         let focal_point = Some(Vec3::new(104.0, 0.0, 0.0));
-        let camera = frame_scene(&scene(), &CameraWishes { focal_point, ..CameraWishes::default() }, Vec3::Y, 1.0);
+        let camera = frame_scene(
+            &scene(),
+            &CameraWishes {
+                focal_point,
+                ..CameraWishes::default()
+            },
+            Vec3::Y,
+            1.0,
+        );
         assert_eq!(camera.focal_point, Vec3::new(104.0, 0.0, 0.0));
     }
 }

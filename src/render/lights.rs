@@ -102,14 +102,29 @@ impl Lights {
 
     /// Light from each punctual light at a point.
     pub(super) fn punctual(&self, point: Vec3) -> impl Iterator<Item = Incident> + '_ {
-        self.punctual.iter().filter_map(move |light| from_punctual(light, point))
+        self.punctual
+            .iter()
+            .filter_map(move |light| from_punctual(light, point))
     }
 
     /// Light from a point of an emissive triangle, chosen by power with the numbers given.
-    pub(super) fn emitter(&self, scene: &Scene, point: Vec3, choice: f32, [u, v]: [f32; 2]) -> Option<Incident> {
-        let index = self.emitter_cdf.partition_point(|&c| c <= choice).min(self.emitters.len() - 1);
+    pub(super) fn emitter(
+        &self,
+        scene: &Scene,
+        point: Vec3,
+        choice: f32,
+        [u, v]: [f32; 2],
+    ) -> Option<Incident> {
+        let index = self
+            .emitter_cdf
+            .partition_point(|&c| c <= choice)
+            .min(self.emitters.len() - 1);
         let emitter = &self.emitters[index];
-        let before = if index == 0 { 0.0 } else { self.emitter_cdf[index - 1] };
+        let before = if index == 0 {
+            0.0
+        } else {
+            self.emitter_cdf[index - 1]
+        };
         let probability = self.emitter_cdf[index] - before;
         // Uniform over the triangle: Turk's square root (Graphics Gems, 1990).
         let root = u.sqrt();
@@ -129,8 +144,14 @@ impl Lights {
             let uv = a * weights[0] + b * weights[1] + c * weights[2];
             lookup(scene, &texture, uv, ColorSpace::Srgb).truncate()
         });
-        let irradiance = material.emissive * texel * (cosine * emitter.area / (squared * probability));
-        Incident { direction, target: Some(target), irradiance }.if_lit()
+        let irradiance =
+            material.emissive * texel * (cosine * emitter.area / (squared * probability));
+        Incident {
+            direction,
+            target: Some(target),
+            irradiance,
+        }
+        .if_lit()
     }
 
     /// Light from a point of the sun's disc.
@@ -138,7 +159,11 @@ impl Lights {
         let sun = self.sun?;
         let cosine = 1.0 - u * (1.0 - sun.cos_radius);
         let direction = around(sun.direction, cosine, v);
-        Some(Incident { direction, target: None, irradiance: sun.irradiance })
+        Some(Incident {
+            direction,
+            target: None,
+            irradiance: sun.irradiance,
+        })
     }
 }
 
@@ -146,7 +171,11 @@ impl Sun {
     /// The sun of a sky: high, before the scene, to the left of the usual camera.
     fn of(sky: &Sky) -> Self {
         let up = sky.up;
-        let front = if up.z.abs() > 0.9 { Vec3::NEG_Y } else { Vec3::Z };
+        let front = if up.z.abs() > 0.9 {
+            Vec3::NEG_Y
+        } else {
+            Vec3::Z
+        };
         let front = (front - up * front.dot(up)).normalize_or(Vec3::X);
         let right = up.cross(front);
         Self {
@@ -166,15 +195,30 @@ fn emitters(scene: &Scene, staged: &[StagedInstance]) -> Vec<Emitter> {
             if material.emissive == Vec3::ZERO {
                 continue;
             }
-            let uv_set = material.emissive_texture.and_then(|t| mesh.uv_sets.get(t.uv_set as usize));
-            for corners in &mesh.triangles[part.first_triangle as usize..][..part.triangle_count as usize] {
+            let uv_set = material
+                .emissive_texture
+                .and_then(|t| mesh.uv_sets.get(t.uv_set as usize));
+            for corners in
+                &mesh.triangles[part.first_triangle as usize..][..part.triangle_count as usize]
+            {
                 let [a, b, c] = corners.map(|v| instance.world_point(mesh.positions[v as usize]));
                 let triangle = Triangle::new(a, b, c);
-                let uvs = corners.map(|v| uv_set.and_then(|s| s.get(v as usize)).copied().unwrap_or(Vec2::ZERO));
+                let uvs = corners.map(|v| {
+                    uv_set
+                        .and_then(|s| s.get(v as usize))
+                        .copied()
+                        .unwrap_or(Vec2::ZERO)
+                });
                 let area = triangle.area();
                 if area > 0.0 {
                     let offset = staged.offset(&triangle);
-                    emitters.push(Emitter { triangle, uvs, material: part.material, area, offset });
+                    emitters.push(Emitter {
+                        triangle,
+                        uvs,
+                        material: part.material,
+                        area,
+                        offset,
+                    });
                 }
             }
         }
@@ -201,15 +245,24 @@ fn from_punctual(light: &Light, point: Vec3) -> Option<Incident> {
         (1.0 - ratio * ratio * ratio * ratio).clamp(0.0, 1.0)
     });
     let cone = match light.kind {
-        LightKind::Spot { inner_angle, outer_angle } => {
+        LightKind::Spot {
+            inner_angle,
+            outer_angle,
+        } => {
             let [inner, outer] = [inner_angle, outer_angle].map(libm::cosf);
-            let within = ((-direction.dot(light.direction) - outer) / (inner - outer).max(1e-3)).clamp(0.0, 1.0);
+            let within = ((-direction.dot(light.direction) - outer) / (inner - outer).max(1e-3))
+                .clamp(0.0, 1.0);
             within * within
         }
         _ => 1.0,
     };
     let irradiance = light.intensity * (window * cone / squared);
-    Incident { direction, target: Some(light.position), irradiance }.if_lit()
+    Incident {
+        direction,
+        target: Some(light.position),
+        irradiance,
+    }
+    .if_lit()
 }
 
 /// A unit vector at an angle with the given cosine from `axis`, turned around it by a share `turn` of the full circle.
@@ -243,18 +296,28 @@ mod tests {
     #[test]
     fn point_lights_follow_the_inverse_square() {
         let i = from_punctual(&light(LightKind::Point), Vec3::ZERO).expect("lit");
-        assert_eq!((i.direction, i.irradiance), (Vec3::Y, Vec3::new(3.0, 2.0, 1.0)));
+        assert_eq!(
+            (i.direction, i.irradiance),
+            (Vec3::Y, Vec3::new(3.0, 2.0, 1.0))
+        );
         assert_eq!(i.target, Some(Vec3::new(0.0, 2.0, 0.0)));
-        let faded = Light { range: Some(2.0), ..light(LightKind::Point) };
+        let faded = Light {
+            range: Some(2.0),
+            ..light(LightKind::Point)
+        };
         assert!(from_punctual(&faded, Vec3::ZERO).is_none());
     }
 
     #[test]
     fn spots_light_their_cone_only() {
-        let spot = light(LightKind::Spot { inner_angle: 0.3, outer_angle: 0.5 });
+        let spot = light(LightKind::Spot {
+            inner_angle: 0.3,
+            outer_angle: 0.5,
+        });
         let full = from_punctual(&spot, Vec3::ZERO).expect("on the axis");
         assert_eq!(full.irradiance, Vec3::new(3.0, 2.0, 1.0));
-        let edge = from_punctual(&spot, Vec3::new(2.0 * 0.42, 0.0, 0.0)).expect("between the cones");
+        let edge =
+            from_punctual(&spot, Vec3::new(2.0 * 0.42, 0.0, 0.0)).expect("between the cones");
         assert!(edge.irradiance.x > 0.0 && edge.irradiance.x < 2.0);
         assert!(from_punctual(&spot, Vec3::new(2.0, 0.0, 0.0)).is_none());
     }
@@ -276,7 +339,14 @@ mod tests {
 
     #[test]
     fn any_orthonormal_pair_has_no_bad_axis() {
-        for axis in [Vec3::X, Vec3::NEG_X, Vec3::Y, Vec3::Z, Vec3::NEG_Z, Vec3::new(0.0, 1e-20, -1.0)] {
+        for axis in [
+            Vec3::X,
+            Vec3::NEG_X,
+            Vec3::Y,
+            Vec3::Z,
+            Vec3::NEG_Z,
+            Vec3::new(0.0, 1e-20, -1.0),
+        ] {
             assert!((around(axis, 0.5, 0.3).dot(axis) - 0.5).abs() < 1e-6);
         }
     }

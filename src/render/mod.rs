@@ -73,10 +73,20 @@ impl Observer for AtomicBool {
 /// Renders with the threads of the rayon pool in which it is called.
 ///
 /// The picture comes in passes of 1, 1, 2, 4, 8 and more samples a pixel, so that one that is stopped shows everything.
-pub fn render(stage: &Stage, camera: &CameraFrame, options: &RenderOptions, observer: &impl Observer) -> Film {
+pub fn render(
+    stage: &Stage,
+    camera: &CameraFrame,
+    options: &RenderOptions,
+    observer: &impl Observer,
+) -> Film {
     let mut film = Film::new(options.size, options.window);
     let filter = options.filter.sampler();
-    let pixel = PixelRenderer { stage, camera, options, filter: &filter };
+    let pixel = PixelRenderer {
+        stage,
+        camera,
+        options,
+        filter: &filter,
+    };
     if options.wants_first_hits {
         film.tiles.par_iter_mut().for_each(|tile| {
             let mut tracer = Tracer::new(stage.accelerator, false);
@@ -134,13 +144,21 @@ impl PixelRenderer<'_> {
     pub fn sample(&self, tracer: &mut Tracer, x: u32, y: u32, sample: u32) -> Sample {
         let mut sampler = Sampler::new(x, y, sample, self.options.seed);
         let (dx, dy) = self.filter.sample(sampler.next_2d());
-        let ray = self.camera.ray(f64::from(x) + 0.5 + dx, f64::from(y) + 0.5 + dy, Some((x, y)));
-        self.options.integrator.sample(self.stage, tracer, ray, &mut sampler)
+        let ray = self.camera.ray(
+            f64::from(x) + 0.5 + dx,
+            f64::from(y) + 0.5 + dy,
+            Some((x, y)),
+        );
+        self.options
+            .integrator
+            .sample(self.stage, tracer, ray, &mut sampler)
     }
 
     /// What the ray through a pixel's centre meets first. Places where a material's alpha is zero do not count.
     pub fn first_hit(&self, tracer: &mut Tracer, x: u32, y: u32) -> Option<FirstHit> {
-        let ray = self.camera.ray(f64::from(x) + 0.5, f64::from(y) + 0.5, Some((x, y)));
+        let ray = self
+            .camera
+            .ray(f64::from(x) + 0.5, f64::from(y) + 0.5, Some((x, y)));
         let (surface, material) = integrator::first_visible(self.stage, tracer, ray)?;
         Some(FirstHit {
             hit: surface.hit,

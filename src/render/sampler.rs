@@ -26,7 +26,12 @@ impl Sampler {
     /// The numbers of sample `sample` of the pixel in column `x` and row `y`.
     pub fn new(x: u32, y: u32, sample: u32, seed: u32) -> Self {
         let seed = hash(hash(hash(hash(seed) ^ x) ^ y) ^ (sample / SAMPLES));
-        Self { seed, sample: sample % SAMPLES, dimension: 0, set: [0.0; SET as usize] }
+        Self {
+            seed,
+            sample: sample % SAMPLES,
+            dimension: 0,
+            set: [0.0; SET as usize],
+        }
     }
 
     /// The next number, in [0, 1).
@@ -36,7 +41,11 @@ impl Sampler {
             let set = self.dimension / SET;
             // The first round of dimensions keeps the pixel's own seed.
             let round = set / SETS;
-            let seed = if round == 0 { self.seed } else { hash(self.seed ^ round) };
+            let seed = if round == 0 {
+                self.seed
+            } else {
+                hash(self.seed ^ round)
+            };
             self.set = sobol_burley::sample_4d(self.sample, set % SETS, seed);
         }
         self.dimension += 1;
@@ -75,7 +84,12 @@ mod tests {
     fn a_number_depends_on_pixel_sample_dimension_and_seed() {
         let base = first(3, 5, 7, 9);
         assert_eq!(base, first(3, 5, 7, 9));
-        for other in [first(5, 3, 7, 9), first(4, 5, 7, 9), first(3, 5, 8, 9), first(3, 5, 7, 10)] {
+        for other in [
+            first(5, 3, 7, 9),
+            first(4, 5, 7, 9),
+            first(3, 5, 8, 9),
+            first(3, 5, 7, 10),
+        ] {
             assert_ne!(base, other);
         }
         let mut s = Sampler::new(3, 5, 7, 9);

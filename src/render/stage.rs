@@ -47,7 +47,10 @@ pub(super) struct StagedInstance {
 impl StagedInstance {
     /// How far a ray must start or end from a world-space triangle of the instance so as not to meet it, in model units.
     pub(super) fn offset(&self, triangle: &Triangle) -> f32 {
-        let reach = triangle.corners().iter().fold(0.0_f32, |r, p| r.max(p.abs().max_element()));
+        let reach = triangle
+            .corners()
+            .iter()
+            .fold(0.0_f32, |r, p| r.max(p.abs().max_element()));
         self.offset_factors.0 * reach + self.offset_factors.1
     }
 }
@@ -55,14 +58,17 @@ impl StagedInstance {
 impl<'a> Stage<'a> {
     /// Prepares the scene. `up` is its upward axis, of which the sky needs to know.
     pub fn new(scene: &'a Scene, accelerator: &'a dyn Accelerator, up: Vec3, sky: SkyMode) -> Self {
-        let instances = scene
+        let instances: Vec<_> = scene
             .instances
             .iter()
             .map(|instance| {
                 let matrix = instance.world_from_object.matrix3;
                 let is_mirrored = instance.is_mirrored();
-                let cofactors =
-                    DMat3::from_cols(matrix.y_axis.cross(matrix.z_axis), matrix.z_axis.cross(matrix.x_axis), matrix.x_axis.cross(matrix.y_axis));
+                let cofactors = DMat3::from_cols(
+                    matrix.y_axis.cross(matrix.z_axis),
+                    matrix.z_axis.cross(matrix.x_axis),
+                    matrix.x_axis.cross(matrix.y_axis),
+                );
                 let radius = scene.meshes[instance.mesh as usize]
                     .positions
                     .iter()

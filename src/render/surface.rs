@@ -56,13 +56,18 @@ impl Surface {
         let triangle = Triangle::new(points[0], points[1], points[2]);
         let weights = triangle.barycentric(ray);
         let mix = |values: [Vec4; 3]| {
-            values[0] * (1.0 - weights.u - weights.v) + values[1] * weights.u + values[2] * weights.v
+            values[0] * (1.0 - weights.u - weights.v)
+                + values[1] * weights.u
+                + values[2] * weights.v
         };
 
         let [a, b, c] = points.map(|p| p.as_dvec3());
-        let position = (a + (b - a) * f64::from(weights.u) + (c - a) * f64::from(weights.v)).as_vec3();
+        let position =
+            (a + (b - a) * f64::from(weights.u) + (c - a) * f64::from(weights.v)).as_vec3();
         // A triangle that its placement squashed to a line is never hit; any unit vector will do.
-        let own = triangle.normal().unwrap_or(-ray.direction.normalize_or(Vec3::NEG_Z));
+        let own = triangle
+            .normal()
+            .unwrap_or(-ray.direction.normalize_or(Vec3::NEG_Z));
         let front = if staged.is_mirrored { -own } else { own };
         let is_front = front.dot(ray.direction) < 0.0;
         let geometric_normal = if is_front { front } else { -front };
@@ -72,16 +77,33 @@ impl Surface {
             // A vertex whose normal is zero says that the triangle's own counts.
             let all = [a, b, c].iter().all(|n| *n != Vec3::ZERO);
             let n = mix([a, b, c].map(|n| n.extend(0.0))).truncate();
-            all.then(|| (staged.normal_matrix * n.as_dvec3()).normalize_or_zero().as_vec3())
+            all.then(|| {
+                (staged.normal_matrix * n.as_dvec3())
+                    .normalize_or_zero()
+                    .as_vec3()
+            })
         });
-        let shading = smooth.flatten().filter(|n| *n != Vec3::ZERO).unwrap_or(front);
+        let shading = smooth
+            .flatten()
+            .filter(|n| *n != Vec3::ZERO)
+            .unwrap_or(front);
         let shading = if is_front { shading } else { -shading };
         // A shading normal that looks away from the viewer would be lit from behind.
-        let shading_normal = if shading.dot(ray.direction) < 0.0 { shading } else { geometric_normal };
+        let shading_normal = if shading.dot(ray.direction) < 0.0 {
+            shading
+        } else {
+            geometric_normal
+        };
 
-        let uv = mesh.uv_sets.first().filter(|set| !set.is_empty()).map_or(Vec2::ZERO, |set| {
-            mix(corners.map(|v| set[v].extend(0.0).extend(0.0))).truncate().truncate()
-        });
+        let uv = mesh
+            .uv_sets
+            .first()
+            .filter(|set| !set.is_empty())
+            .map_or(Vec2::ZERO, |set| {
+                mix(corners.map(|v| set[v].extend(0.0).extend(0.0)))
+                    .truncate()
+                    .truncate()
+            });
         Self {
             hit,
             position,
@@ -97,7 +119,11 @@ impl Surface {
 
     /// Where a ray that leaves towards `direction` starts: on its side of the surface, clear of rounding.
     pub fn origin_towards(&self, direction: Vec3) -> Vec3 {
-        let side = if direction.dot(self.geometric_normal) < 0.0 { -self.offset } else { self.offset };
+        let side = if direction.dot(self.geometric_normal) < 0.0 {
+            -self.offset
+        } else {
+            self.offset
+        };
         self.position + self.geometric_normal * side
     }
 
@@ -106,7 +132,9 @@ impl Surface {
         let scene = stage.scene;
         let material: &Material = &scene.materials[self.material as usize];
         let texel = |texture: &Option<TextureRef>, space| {
-            texture.map_or(Vec4::ONE, |t| lookup(scene, &t, self.uv_of(stage, &t), space))
+            texture.map_or(Vec4::ONE, |t| {
+                lookup(scene, &t, self.uv_of(stage, &t), space)
+            })
         };
         let mut color = material.base_color * texel(&material.base_color_texture, ColorSpace::Srgb);
         color *= self.vertex_color(stage);
@@ -121,7 +149,12 @@ impl Surface {
         } else {
             material.emissive * texel(&material.emissive_texture, ColorSpace::Srgb).truncate()
         };
-        MaterialPoint { base_color: color.truncate(), alpha, emission, is_unlit: material.unlit }
+        MaterialPoint {
+            base_color: color.truncate(),
+            alpha,
+            emission,
+            is_unlit: material.unlit,
+        }
     }
 
     fn uv_of(&self, stage: &Stage, texture: &TextureRef) -> Vec2 {
@@ -129,7 +162,11 @@ impl Surface {
             return self.uv;
         }
         let mesh = stage.scene.mesh_of(self.hit.instance);
-        let Some(set) = mesh.uv_sets.get(texture.uv_set as usize).filter(|set| !set.is_empty()) else {
+        let Some(set) = mesh
+            .uv_sets
+            .get(texture.uv_set as usize)
+            .filter(|set| !set.is_empty())
+        else {
             return Vec2::ZERO;
         };
         let [a, b, c] = mesh.triangles[self.hit.triangle as usize].map(|v| set[v as usize]);

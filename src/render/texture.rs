@@ -18,7 +18,9 @@ pub(super) enum ColorSpace {
 pub(super) fn lookup(scene: &Scene, texture: &TextureRef, uv: Vec2, space: ColorSpace) -> Vec4 {
     let sampled = &scene.textures[texture.texture as usize];
     let image = &scene.images[sampled.image as usize];
-    let Some(pixels) = &image.pixels else { return Vec4::ONE };
+    let Some(pixels) = &image.pixels else {
+        return Vec4::ONE;
+    };
     let size = (image.width, image.height);
     let at = texture.map(uv);
     if !at.is_finite() {
@@ -30,7 +32,10 @@ pub(super) fn lookup(scene: &Scene, texture: &TextureRef, uv: Vec2, space: Color
         fetch(pixels, y as usize * size.0 as usize + x as usize, space)
     };
     // In double precision: coordinates of a large floor run into the thousands.
-    let (x, y) = (f64::from(at.x) * f64::from(size.0), f64::from(at.y) * f64::from(size.1));
+    let (x, y) = (
+        f64::from(at.x) * f64::from(size.0),
+        f64::from(at.y) * f64::from(size.1),
+    );
     match sampled.filter {
         Filter::Nearest => texel(x.floor() as i64, y.floor() as i64),
         Filter::Linear => {
@@ -97,16 +102,36 @@ mod tests {
 
     /// A picture of 2 by 2: red is the column, green the row.
     fn scene(wrap: Wrap, filter: Filter) -> Scene {
-        let pixels = Pixels::Rgba8(vec![[0, 0, 0, 255], [255, 0, 0, 255], [0, 255, 0, 255], [255, 255, 0, 0]]);
+        let pixels = Pixels::Rgba8(vec![
+            [0, 0, 0, 255],
+            [255, 0, 0, 255],
+            [0, 255, 0, 255],
+            [255, 255, 0, 0],
+        ]);
         Scene {
-            textures: vec![Texture { image: 0, wrap_u: wrap, wrap_v: wrap, filter }],
-            images: vec![Image { name: String::new(), width: 2, height: 2, pixels: Some(pixels) }],
+            textures: vec![Texture {
+                image: 0,
+                wrap_u: wrap,
+                wrap_v: wrap,
+                filter,
+            }],
+            images: vec![Image {
+                name: String::new(),
+                width: 2,
+                height: 2,
+                pixels: Some(pixels),
+            }],
             ..Scene::default()
         }
     }
 
     fn at(scene: &Scene, u: f32, v: f32) -> Vec4 {
-        lookup(scene, &TextureRef::default(), Vec2::new(u, v), ColorSpace::Linear)
+        lookup(
+            scene,
+            &TextureRef::default(),
+            Vec2::new(u, v),
+            ColorSpace::Linear,
+        )
     }
 
     #[test]
@@ -122,8 +147,14 @@ mod tests {
     #[test]
     fn beyond_the_edge_the_image_repeats_mirrors_or_stays() {
         let red = |wrap, u| at(&scene(wrap, Filter::Nearest), u, 0.1).x;
-        assert_eq!([0.25, 1.25, -0.25, 2.75].map(|u| red(Wrap::Repeat, u)), [0.0, 0.0, 1.0, 1.0]);
-        assert_eq!([1.25, 1.75, -0.25, -0.75].map(|u| red(Wrap::MirroredRepeat, u)), [1.0, 0.0, 0.0, 1.0]);
+        assert_eq!(
+            [0.25, 1.25, -0.25, 2.75].map(|u| red(Wrap::Repeat, u)),
+            [0.0, 0.0, 1.0, 1.0]
+        );
+        assert_eq!(
+            [1.25, 1.75, -0.25, -0.75].map(|u| red(Wrap::MirroredRepeat, u)),
+            [1.0, 0.0, 0.0, 1.0]
+        );
         assert_eq!([7.0, -7.0].map(|u| red(Wrap::ClampToEdge, u)), [1.0, 0.0]);
     }
 
@@ -138,8 +169,17 @@ mod tests {
     #[test]
     fn colours_are_decoded_and_alpha_is_not() {
         let pixels = Pixels::Rgba8(vec![[188, 188, 188, 128]]);
-        let image = Image { name: String::new(), width: 1, height: 1, pixels: Some(pixels) };
-        let scene = Scene { textures: vec![Texture::default()], images: vec![image], ..Scene::default() };
+        let image = Image {
+            name: String::new(),
+            width: 1,
+            height: 1,
+            pixels: Some(pixels),
+        };
+        let scene = Scene {
+            textures: vec![Texture::default()],
+            images: vec![image],
+            ..Scene::default()
+        };
         let value = lookup(&scene, &TextureRef::default(), Vec2::ZERO, ColorSpace::Srgb);
         assert!((value.x - 0.5029).abs() < 1e-3 && (value.w - 128.0 / 255.0).abs() < 1e-6);
     }

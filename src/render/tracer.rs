@@ -88,7 +88,12 @@ impl<'a> Tracer<'a> {
     /// A tracer that counts the steps of traversal if `counted`, and records nothing.
     pub fn new(accelerator: &'a dyn Accelerator, counted: bool) -> Self {
         let cost = counted.then(TraceCounters::default);
-        Self { accelerator, rays: RayCounts::default(), cost, record: None }
+        Self {
+            accelerator,
+            rays: RayCounts::default(),
+            cost,
+            record: None,
+        }
     }
 
     /// The nearest hit.
@@ -118,7 +123,11 @@ impl<'a> Tracer<'a> {
             RayKind::Ambient => &mut self.rays.ambient,
         } += 1;
         if let Some(record) = &mut self.record {
-            record.push(TracedRay { kind, ray: *ray, answer });
+            record.push(TracedRay {
+                kind,
+                ray: *ray,
+                answer,
+            });
         }
     }
 }

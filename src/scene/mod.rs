@@ -88,7 +88,10 @@ impl Scene {
 
     /// Whether a material in use emits light evenly, not through a texture.
     pub fn has_constant_emission(&self) -> bool {
-        let mut used = self.instances.iter().flat_map(|i| &self.meshes[i.mesh as usize].parts);
+        let mut used = self
+            .instances
+            .iter()
+            .flat_map(|i| &self.meshes[i.mesh as usize].parts);
         used.any(|part| {
             let material = &self.materials[part.material as usize];
             material.emissive != glam::Vec3::ZERO && material.emissive_texture.is_none()

@@ -27,7 +27,10 @@ pub(super) fn shade(
         origin: surface.origin_towards(direction),
         direction,
         interval: Interval::new(0.0, distance),
-        source: RayOrigin { depth: ray.source.depth + 1, pixel: None },
+        source: RayOrigin {
+            depth: ray.source.depth + 1,
+            pixel: None,
+        },
     };
     Vec3::splat(visibility(stage, tracer, ray, RayKind::Ambient))
 }

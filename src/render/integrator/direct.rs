@@ -31,7 +31,8 @@ pub(super) fn shade(
         let cosine = incident.direction.dot(surface.shading_normal);
         if cosine > 0.0 && incident.direction.dot(surface.geometric_normal) > 0.0 {
             let shadow = shadow_ray(surface, &incident, depth);
-            irradiance += incident.irradiance * (cosine * visibility(stage, tracer, shadow, RayKind::Shadow));
+            irradiance +=
+                incident.irradiance * (cosine * visibility(stage, tracer, shadow, RayKind::Shadow));
         }
     };
     for incident in stage.lights.punctual(surface.position) {
@@ -41,7 +42,10 @@ pub(super) fn shade(
         // Three numbers: the choice of the triangle, and the point on it.
         let choice = sampler.next_1d();
         let point = sampler.next_2d();
-        if let Some(incident) = stage.lights.emitter(stage.scene, surface.position, choice, point) {
+        if let Some(incident) = stage
+            .lights
+            .emitter(stage.scene, surface.position, choice, point)
+        {
             add(tracer, incident);
         }
     }
@@ -51,7 +55,11 @@ pub(super) fn shade(
         }
         let direction = cosine_hemisphere(surface.shading_normal, sampler.next_2d());
         if direction.dot(surface.geometric_normal) > 0.0 {
-            let incident = Incident { direction, target: None, irradiance: Vec3::ZERO };
+            let incident = Incident {
+                direction,
+                target: None,
+                irradiance: Vec3::ZERO,
+            };
             let shadow = shadow_ray(surface, &incident, depth);
             // The density, cosine over pi, cancels the cosine and leaves pi.
             let visible = visibility(stage, tracer, shadow, RayKind::Shadow);
@@ -67,5 +75,10 @@ fn shadow_ray(surface: &Surface, incident: &Incident, depth: u32) -> Ray {
         Some(target) => (target - origin, Interval::new(0.0, 1.0)),
         None => (incident.direction, Interval::FORWARD),
     };
-    Ray { origin, direction, interval, source: RayOrigin { depth, pixel: None } }
+    Ray {
+        origin,
+        direction,
+        interval,
+        source: RayOrigin { depth, pixel: None },
+    }
 }

@@ -12,6 +12,12 @@ pub(super) fn normals(surface: &Surface) -> Vec3 {
 
 /// The cosine between the surface and the view: grey for fronts, red for backs.
 pub(super) fn facing(ray: &Ray, surface: &Surface) -> Vec3 {
-    let cosine = -surface.geometric_normal.dot(ray.direction.normalize_or(Vec3::Z));
-    if surface.is_front { Vec3::splat(cosine) } else { Vec3::new(0.9, 0.15, 0.1) * cosine }
+    let cosine = -surface
+        .geometric_normal
+        .dot(ray.direction.normalize_or(Vec3::Z));
+    if surface.is_front {
+        Vec3::splat(cosine)
+    } else {
+        Vec3::new(0.9, 0.15, 0.1) * cosine
+    }
 }

@@ -61,7 +61,13 @@ impl Integrator {
     }
 
     /// What the eye sees along a ray. Surfaces with alpha are laid over one another, front to back.
-    pub fn sample(&self, stage: &Stage, tracer: &mut Tracer, ray: Ray, sampler: &mut Sampler) -> Sample {
+    pub fn sample(
+        &self,
+        stage: &Stage,
+        tracer: &mut Tracer,
+        ray: Ray,
+        sampler: &mut Sampler,
+    ) -> Sample {
         let mut sample = Sample::default();
         let mut ray = ray;
         for _ in 0..MOST_LAYERS {
@@ -105,14 +111,20 @@ impl Integrator {
 
     fn backdrop(&self, stage: &Stage, direction: Vec3) -> Vec3 {
         match self {
-            Self::Direct => stage.lights.sky().map_or(Vec3::ZERO, |sky| sky.radiance(direction.normalize_or(Vec3::Y))),
+            Self::Direct => stage.lights.sky().map_or(Vec3::ZERO, |sky| {
+                sky.radiance(direction.normalize_or(Vec3::Y))
+            }),
             _ => BACKDROP,
         }
     }
 }
 
 /// The first surface along a ray that is there at all: its alpha is not zero.
-pub(super) fn first_visible(stage: &Stage, tracer: &mut Tracer, ray: Ray) -> Option<(Surface, MaterialPoint)> {
+pub(super) fn first_visible(
+    stage: &Stage,
+    tracer: &mut Tracer,
+    ray: Ray,
+) -> Option<(Surface, MaterialPoint)> {
     let mut ray = ray;
     for _ in 0..MOST_LAYERS {
         let hit = tracer.closest(&ray, RayKind::Eye)?;
@@ -134,7 +146,9 @@ fn visibility(stage: &Stage, tracer: &mut Tracer, ray: Ray, kind: RayKind) -> f3
     let mut ray = ray;
     let mut visibility = 1.0;
     for _ in 0..MOST_LAYERS {
-        let Some(hit) = tracer.closest(&ray, kind) else { return visibility };
+        let Some(hit) = tracer.closest(&ray, kind) else {
+            return visibility;
+        };
         visibility *= 1.0 - Surface::at(stage, &ray, hit).material_point(stage).alpha;
         if visibility < NEARLY_OPAQUE {
             return 0.0;

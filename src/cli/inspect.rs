@@ -1,0 +1,214 @@
+//! `bspray inspect`: what model files hold.
+
+use std::fmt::Write;
+use std::path::PathBuf;
+
+use bspray::scene::{AlphaMode, LightKind, Material, Projection, Scene};
+use clap::Args;
+use serde_json::{Value, json};
+
+use super::{Done, output};
+
+/// Arguments of `bspray inspect`.
+#[derive(Args, Debug)]
+pub(super) struct InspectArgs {
+    /// Model files (.obj, .gltf, .glb); several make one scene
+    #[arg(required = true, value_name = "MODEL")]
+    models: Vec<PathBuf>,
+    /// Print one JSON object
+    #[arg(long)]
+    json: bool,
+}
+
+/// Rows of a list that are shown without `--json`.
+const SHOWN_ROWS: usize = 40;
+
+/// Loads and tells.
+pub(super) fn run(args: &InspectArgs) -> anyhow::Result<Done> {
+    let scene = bspray::import::load(&args.models)?;
+    let report = report(&scene, &args.models);
+    output::result(&if args.json {
+        format!("{report:#}")
+    } else {
+        text(&report)
+    })?;
+    Ok(Done::Completely)
+}
+
+fn report(scene: &Scene, models: &[PathBuf]) -> Value {
+    let bounds = scene.bounds();
+    let meshes = scene.meshes.iter().enumerate().map(|(index, mesh)| {
+        let index = index as u32;
+        json!({
+            "name": mesh.name,
+            "triangles": mesh.triangles.len(),
+            "vertices": mesh.positions.len(),
+            "instances": scene.instances.iter().filter(|i| i.mesh == index).count(),
+            "polygons": mesh.outlines.len(),
+            "materials": mesh.parts.iter().map(|p| p.material).collect::<Vec<_>>(),
+            "normals": !mesh.normals.is_empty(),
+            "uv_sets": mesh.uv_sets.iter().filter(|s| !s.is_empty()).count(),
+            "colors": !mesh.colors.is_empty(),
+        })
+    });
+    let instances = scene
+        .instances
+        .iter()
+        .map(|i| json!({ "name": i.name, "mesh": i.mesh }));
+    let images = scene.images.iter().map(|image| {
+        json!({ "name": image.name, "size": [image.width, image.height], "decoded": image.pixels.is_some() })
+    });
+    let lights = scene.lights.iter().map(|light| {
+        let kind = match light.kind {
+            LightKind::Directional => "directional",
+            LightKind::Point => "point",
+            LightKind::Spot { .. } => "spot",
+        };
+        json!({ "name": light.name, "kind": kind, "intensity": light.intensity.to_array(),
+            "position": light.position.to_array(), "direction": light.direction.to_array(), "range": light.range })
+    });
+    let cameras = scene.cameras.iter().map(|camera| {
+        let projection = match camera.projection {
+            Projection::Perspective { view_angle } => {
+                json!({ "perspective": { "view_angle": view_angle } })
+            }
+            Projection::Orthographic { height } => json!({ "orthographic": { "height": height } }),
+        };
+        json!({ "name": camera.name, "position": camera.position.to_array(),
+            "focal_point": camera.focal_point.to_array(), "projection": projection })
+    });
+    json!({
+        "models": models,
+        "triangles": scene.meshes.iter().map(|m| m.triangles.len()).sum::<usize>(),
+        "triangles_placed": scene.placed_triangles(),
+        "vertices": scene.meshes.iter().map(|m| m.positions.len()).sum::<usize>(),
+        "bounds": { "min": bounds.min.to_array(), "max": bounds.max.to_array(), "diagonal": bounds.diagonal() },
+        "meshes": meshes.collect::<Vec<_>>(),
+        "instances": instances.collect::<Vec<_>>(),
+        "materials": scene.materials.iter().map(material).collect::<Vec<_>>(),
+        "textures": scene.textures.len(),
+        "images": images.collect::<Vec<_>>(),
+        "lights": lights.collect::<Vec<_>>(),
+        "cameras": cameras.collect::<Vec<_>>(),
+        "notes": scene.notes.iter().map(ToString::to_string).collect::<Vec<_>>(),
+        "defects": scene.defects.iter().map(ToString::to_string).collect::<Vec<_>>(),
+    })
+}
+
+fn material(material: &Material) -> Value {
+    let lobes = [
+        ("specular", material.specular.is_some()),
+        ("transmission", material.transmission.is_some()),
+        ("volume", material.volume.is_some()),
+        ("clearcoat", material.clearcoat.is_some()),
+        ("sheen", material.sheen.is_some()),
+        ("unlit", material.unlit),
+        ("double-sided", material.double_sided),
+    ];
+    json!({
+        "name": material.name,
+        "base_color": material.base_color.to_array(),
+        "metallic": material.metallic,
+        "roughness": material.roughness,
+        "emissive": material.emissive.to_array(),
+        "alpha": match material.alpha_mode {
+            AlphaMode::Opaque => json!("opaque"),
+            AlphaMode::Mask { cutoff } => json!({ "mask": cutoff }),
+            AlphaMode::Blend => json!("blend"),
+        },
+        "textures": material.texture_refs().count(),
+        "features": lobes.into_iter().filter(|(_, has)| *has).map(|(name, _)| name).collect::<Vec<_>>(),
+    })
+}
+
+/// The report as lists.
+fn text(report: &Value) -> String {
+    let count = |key: &str| report[key].as_array().map_or(0, Vec::len);
+    let bounds = &report["bounds"];
+    let mut out = format!(
+        "triangles   {} ({} placed)\nvertices    {}\nbounds      {} to {} (diagonal {})\n",
+        report["triangles"],
+        report["triangles_placed"],
+        report["vertices"],
+        bounds["min"],
+        bounds["max"],
+        bounds["diagonal"]
+    );
+    let list = |out: &mut String, key: &str, row: &dyn Fn(usize, &Value) -> String| {
+        let _ = writeln!(out, "{key:<12}{}", count(key));
+        let rows = report[key].as_array().into_iter().flatten().enumerate();
+        for (index, value) in rows.take(SHOWN_ROWS) {
+            let _ = writeln!(out, "  {}", row(index, value));
+        }
+        if count(key) > SHOWN_ROWS {
+            let _ = writeln!(
+                out,
+                "  ... {} more; --json has all",
+                count(key) - SHOWN_ROWS
+            );
+        }
+    };
+    list(&mut out, "meshes", &|i, m| {
+        let (name, triangles, vertices) = (&m["name"], &m["triangles"], &m["vertices"]);
+        let instances = if m["instances"] == 1 {
+            String::new()
+        } else {
+            format!(", {} instances", m["instances"])
+        };
+        let polygons = if m["polygons"] == 0 {
+            String::new()
+        } else {
+            format!(", {} polygons", m["polygons"])
+        };
+        format!("{i} {name}: {triangles} triangles, {vertices} vertices{polygons}{instances}")
+    });
+    list(&mut out, "instances", &|i, v| {
+        format!("{i} {}: mesh {}", v["name"], v["mesh"])
+    });
+    list(&mut out, "materials", &|i, m| {
+        let features: Vec<_> = m["features"]
+            .as_array()
+            .into_iter()
+            .flatten()
+            .filter_map(Value::as_str)
+            .collect();
+        let features = if features.is_empty() {
+            String::new()
+        } else {
+            format!(", {}", features.join(", "))
+        };
+        let (name, color, textures) = (&m["name"], &m["base_color"], &m["textures"]);
+        format!(
+            "{i} {name}: colour {color}, {textures} textures, alpha {}{features}",
+            m["alpha"]
+        )
+    });
+    let _ = writeln!(out, "{:<12}{}", "textures", report["textures"]);
+    list(&mut out, "images", &|i, v| {
+        let decoded = if v["decoded"] == true {
+            ""
+        } else {
+            " (not decoded)"
+        };
+        format!(
+            "{i} {}: {}x{}{decoded}",
+            v["name"], v["size"][0], v["size"][1]
+        )
+    });
+    list(&mut out, "lights", &|i, v| {
+        format!(
+            "{i} {}: {}, intensity {}",
+            v["name"], v["kind"], v["intensity"]
+        )
+    });
+    list(&mut out, "cameras", &|i, v| {
+        format!(
+            "{i} {}: {}, at {}",
+            v["name"], v["projection"], v["position"]
+        )
+    });
+    let plain = |_: usize, v: &Value| v.as_str().unwrap_or_default().to_owned();
+    list(&mut out, "defects", &plain);
+    list(&mut out, "notes", &plain);
+    out
+}

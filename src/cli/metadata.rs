@@ -1,0 +1,73 @@
+//! What an EXR file tells of its own making.
+
+use bspray::picture::{Attribute, Picture, attribute};
+use serde_json::json;
+
+use super::summary::RenderSummary;
+
+/// Adds attributes: the standard `software`, and `bspray/...` for everything needed to make the picture again.
+pub(super) fn add(picture: Picture, summary: &RenderSummary) -> Picture {
+    let text = |t: &str| Attribute::Text(t.to_owned());
+    let int = |n: u64| Attribute::Int(i32::try_from(n).unwrap_or(i32::MAX));
+    let version = env!("CARGO_PKG_VERSION");
+    let seconds = summary.seconds;
+    let timings = json!({ "load": seconds.load, "build": seconds.build, "render": seconds.render });
+    picture
+        .with_attribute(attribute::SOFTWARE, text(&format!("bspray {version}")))
+        .with_attribute("bspray/version", text(version))
+        .with_attribute("bspray/commandLine", text(&command_line()))
+        .with_attribute("bspray/accelerator", text(summary.accelerator.name()))
+        .with_attribute("bspray/integrator", text(summary.options.integrator.name()))
+        .with_attribute("bspray/camera", text(summary.camera_flags))
+        .with_attribute("bspray/seed", text(&summary.options.seed.to_string()))
+        .with_attribute("bspray/samples", int(u64::from(summary.options.samples)))
+        .with_attribute("bspray/threads", int(summary.threads as u64))
+        .with_attribute("bspray/machine", text(&machine()))
+        .with_attribute("bspray/seconds", text(&timings.to_string()))
+        .with_attribute("bspray/partial", int(u64::from(!summary.film.is_complete)))
+}
+
+/// The command line, each argument quoted where a shell would need it.
+fn command_line() -> String {
+    let is_plain = |c: char| c.is_ascii_alphanumeric() || "-_./,=+:@%".contains(c);
+    let quoted = |arg: String| {
+        if !arg.is_empty() && arg.chars().all(is_plain) {
+            arg
+        } else {
+            format!("'{}'", arg.replace('\'', r"'\''"))
+        }
+    };
+    let args = std::env::args_os()
+        .skip(1)
+        .map(|a| quoted(a.to_string_lossy().into_owned()));
+    std::iter::once("bspray".to_owned())
+        .chain(args)
+        .collect::<Vec<_>>()
+        .join(" ")
+}
+
+/// Processor family, system, and those vector instructions of which code may make use.
+fn machine() -> String {
+    let mut parts = vec![
+        std::env::consts::ARCH.to_owned(),
+        std::env::consts::OS.to_owned(),
+    ];
+    #[cfg(target_arch = "x86_64")]
+    {
+        let features = [
+            ("sse4.1", std::arch::is_x86_feature_detected!("sse4.1")),
+            ("avx", std::arch::is_x86_feature_detected!("avx")),
+            ("avx2", std::arch::is_x86_feature_detected!("avx2")),
+            ("fma", std::arch::is_x86_feature_detected!("fma")),
+            ("avx512f", std::arch::is_x86_feature_detected!("avx512f")),
+            ("avx512vl", std::arch::is_x86_feature_detected!("avx512vl")),
+        ];
+        parts.extend(
+            features
+                .into_iter()
+                .filter(|(_, has)| *has)
+                .map(|(name, _)| name.to_owned()),
+        );
+    }
+    parts.join(" ")
+}

@@ -1,0 +1,77 @@
+//! The command line: arguments in, words and exit codes out. One file a sub-command.
+//!
+//! Results go to standard output, everything else to standard error. Exit codes: 0 done, 1 failure, 2 wrong usage, 4 ended
+//! early with a partial picture.
+
+mod camera_args;
+mod inspect;
+mod metadata;
+mod output;
+mod pixel;
+mod progress;
+mod render;
+mod shell;
+mod summary;
+mod values;
+
+use std::process::ExitCode;
+
+use clap::{Parser, Subcommand};
+
+/// Renders OBJ and glTF models, and measures what it does.
+#[derive(Parser)]
+#[command(name = "bspray", version, about, max_term_width = 110)]
+struct Cli {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Subcommand)]
+enum Command {
+    /// Render models to pictures (PNG, JPEG) and measurements (EXR)
+    Render(Box<render::RenderArgs>),
+    /// Tell what model files hold
+    Inspect(inspect::InspectArgs),
+    /// Print a script that completes bspray's arguments in a shell
+    Completions(shell::CompletionsArgs),
+    /// Print bspray's manual page, in roff
+    Man,
+}
+
+/// How a command ended, when it did not fail.
+enum Done {
+    /// Everything was done.
+    Completely,
+    /// The picture is partial.
+    Partially,
+}
+
+/// Parses the arguments and runs the command.
+pub(crate) fn run() -> ExitCode {
+    let cli = Cli::parse();
+    let done = match cli.command {
+        Command::Render(args) => render::run(&args),
+        Command::Inspect(args) => inspect::run(&args),
+        Command::Completions(args) => shell::completions(&args),
+        Command::Man => shell::man(),
+    };
+    match done {
+        Ok(Done::Completely) => ExitCode::SUCCESS,
+        Ok(Done::Partially) => ExitCode::from(4),
+        Err(error) if output::is_broken_pipe(&error) => ExitCode::SUCCESS,
+        Err(error) => {
+            output::error(&error);
+            ExitCode::FAILURE
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use clap::CommandFactory;
+
+    #[test]
+    fn the_arguments_are_well_formed() {
+        super::Cli::command().debug_assert();
+    }
+}

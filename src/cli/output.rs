@@ -1,0 +1,32 @@
+//! Words to standard output and standard error, neither of which fails when nobody reads them.
+
+use std::io::{ErrorKind, Write};
+
+/// Writes a result to standard output.
+///
+/// # Errors
+/// A closed pipe, which [`is_broken_pipe`] recognises, and other errors of the system.
+pub(super) fn result(text: &str) -> anyhow::Result<()> {
+    let mut out = std::io::stdout().lock();
+    out.write_all(text.as_bytes())?;
+    if !text.ends_with('\n') {
+        out.write_all(b"\n")?;
+    }
+    Ok(out.flush()?)
+}
+
+/// Whether the error says that the reader of standard output has gone (`| head`), which is no failure.
+pub(super) fn is_broken_pipe(error: &anyhow::Error) -> bool {
+    let io = error.downcast_ref::<std::io::Error>();
+    io.is_some_and(|e| e.kind() == ErrorKind::BrokenPipe)
+}
+
+/// Writes a line to standard error. If nobody reads it there is nobody to tell.
+pub(super) fn message(text: &str) {
+    let _ = writeln!(std::io::stderr().lock(), "{text}");
+}
+
+/// Writes an error as one line to standard error.
+pub(super) fn error(error: &anyhow::Error) {
+    message(&format!("error: {error:#}"));
+}

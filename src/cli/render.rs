@@ -1,0 +1,348 @@
+//! `bspray render`: models in, pictures and measurements out.
+
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+use anyhow::{Context, bail};
+use bspray::accel::AcceleratorKind;
+use bspray::picture::{Raster, RasterPixels, ToneMap, exposure_factor, exr, ldr, srgb};
+use bspray::render::{
+    self, Film, Integrator, PixelFilter, PixelRect, RenderOptions, SkyMode, Stage,
+};
+use bspray::scene::Scene;
+use clap::{Args, ValueEnum};
+
+use super::camera_args::{self, CameraArgs};
+use super::summary::{RenderSummary, Seconds};
+use super::values::{self, CropWindow, PixelBounds};
+use super::{Done, metadata, output, pixel, progress};
+
+/// Arguments of `bspray render`.
+#[derive(Args, Debug)]
+pub(super) struct RenderArgs {
+    /// Model files (.obj, .gltf, .glb); several make one scene
+    #[arg(required = true, value_name = "MODEL")]
+    models: Vec<PathBuf>,
+    /// Where the picture goes: .exr (all layers), .png or .jpg; can be given several times [default: the model's name with .png]
+    #[arg(short, long, value_name = "FILE")]
+    output: Vec<PathBuf>,
+    /// Width and height of the picture, in pixels
+    #[arg(long, value_name = "WxH", value_parser = values::resolution, default_value = "1280x720")]
+    resolution: (u32, u32),
+    /// Samples a pixel
+    #[arg(long, value_name = "N", default_value_t = 16, value_parser = clap::value_parser!(u32).range(1..))]
+    spp: u32,
+    /// Changes every random number
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    seed: u32,
+    /// Threads that render; 0 for one a core
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    threads: usize,
+    /// The structure that finds what rays hit
+    #[arg(long, value_name = "KIND", default_value_t = AcceleratorKind::default(), value_parser = values::accelerator,
+        long_help = accelerator_help())]
+    accel: AcceleratorKind,
+    /// How colours come about
+    #[arg(long, value_enum, value_name = "NAME", default_value_t = IntegratorName::Direct)]
+    integrator: IntegratorName,
+    /// How far an ambient-occlusion ray must get, in model units [default: a tenth of the scene's diagonal]
+    #[arg(long, value_name = "LENGTH", value_parser = values::positive)]
+    ao_distance: Option<f32>,
+    /// Whether a sky and its sun light the scene; `auto`: if the models have no light of their own
+    #[arg(long, value_enum, value_name = "WHEN", default_value_t = SkyName::Auto)]
+    sky: SkyName,
+    /// How light between pixel centres is shared out
+    #[arg(long, value_enum, value_name = "NAME", default_value_t = FilterName::BlackmanHarris)]
+    filter: FilterName,
+    #[command(flatten)]
+    camera: CameraArgs,
+    /// Render a part of the picture, given as shares of its width and height
+    #[arg(
+        long,
+        value_name = "X0,X1,Y0,Y1",
+        conflicts_with = "pixelbounds",
+        help_heading = "Crop"
+    )]
+    cropwindow: Option<CropWindow>,
+    /// Render a part of the picture, given in pixels
+    #[arg(long, value_name = "X0,X1,Y0,Y1", help_heading = "Crop")]
+    pixelbounds: Option<PixelBounds>,
+    /// From radiance to display light, for PNG and JPEG: pbr-neutral, aces, reinhard or clip [default: pbr-neutral, and
+    /// clip for the integrators that do not compute light]
+    #[arg(long, value_name = "NAME", help_heading = "Display")]
+    tonemap: Option<ToneMap>,
+    /// Brightness of PNG and JPEG, in stops
+    #[arg(
+        long,
+        value_name = "STOPS",
+        default_value_t = 0.0,
+        allow_hyphen_values = true,
+        help_heading = "Display"
+    )]
+    exposure: f32,
+    /// Print everything about one pixel's rays instead of rendering
+    #[arg(long, value_name = "X,Y", value_parser = values::pixel, help_heading = "Reports")]
+    pixel: Option<(u32, u32)>,
+    /// Print sizes, times, and counts of rays and steps
+    #[arg(long, help_heading = "Reports")]
+    stats: bool,
+    /// Print the same as one JSON object
+    #[arg(long, help_heading = "Reports")]
+    json: bool,
+    /// No progress and no notes
+    #[arg(short, long, help_heading = "Reports")]
+    quiet: bool,
+}
+
+#[derive(Clone, Copy, Debug, ValueEnum)]
+enum IntegratorName {
+    /// Light that reaches matt surfaces directly, with shadows
+    Direct,
+    /// Ambient occlusion
+    Ao,
+    /// Shading normals as colours
+    Normals,
+    /// Grey where a front faces the eye, red where a back does
+    Facing,
+}
+
+#[derive(Clone, Copy, Debug, ValueEnum)]
+enum SkyName {
+    Auto,
+    On,
+    Off,
+}
+
+#[derive(Clone, Copy, Debug, ValueEnum)]
+enum FilterName {
+    Box,
+    BlackmanHarris,
+}
+
+fn accelerator_help() -> String {
+    let lines = AcceleratorKind::ALL.map(|k| format!("- {}: {}", k.name(), k.description()));
+    format!(
+        "The structure that finds what rays hit\n\n{}",
+        lines.join("\n")
+    )
+}
+
+/// Renders.
+pub(super) fn run(args: &RenderArgs) -> anyhow::Result<Done> {
+    progress::handle_signals()?;
+    let outputs = outputs(args)?;
+    let window = window(args)?;
+
+    let started = Instant::now();
+    let scene = bspray::import::load(&args.models)?;
+    let load = started.elapsed().as_secs_f64();
+    if !args.quiet {
+        scene
+            .notes
+            .iter()
+            .for_each(|note| output::message(&format!("note: {note}")));
+        scene
+            .defects
+            .iter()
+            .for_each(|defect| output::message(&format!("dropped: {defect}")));
+    }
+    let camera = args.camera.choose(&scene, args.resolution)?;
+    let frame = camera
+        .frame(args.resolution.0, args.resolution.1)
+        .context("the camera is impossible")?;
+    let camera_flags = camera_args::as_flags(&camera, args.camera.up());
+    if !args.quiet {
+        output::message(&format!("camera: {camera_flags}"));
+    }
+
+    let pool = rayon::ThreadPoolBuilder::new()
+        .num_threads(args.threads)
+        .build()
+        .context("cannot start threads")?;
+    let started = Instant::now();
+    let accelerator = pool.install(|| args.accel.build(&scene));
+    let build = started.elapsed().as_secs_f64();
+    let stage = Stage::new(&scene, &*accelerator, args.camera.up(), sky_mode(args.sky));
+    let wants_layers = outputs
+        .iter()
+        .any(|(_, kind)| matches!(kind, OutputKind::Exr));
+    let options = RenderOptions {
+        size: args.resolution,
+        window,
+        samples: args.spp,
+        seed: args.seed,
+        integrator: integrator(args, &stage),
+        filter: match args.filter {
+            FilterName::Box => PixelFilter::Box,
+            FilterName::BlackmanHarris => PixelFilter::BlackmanHarris,
+        },
+        counts_cost: wants_layers || args.stats || args.json,
+        wants_first_hits: wants_layers,
+    };
+    if let Some(place) = args.pixel {
+        return pixel::run(&stage, &frame, &options, place, args.json);
+    }
+
+    let watch = progress::begin(window.area() * u64::from(args.spp), args.quiet);
+    let started = Instant::now();
+    let film = pool.install(|| render::render(&stage, &frame, &options, &watch));
+    let seconds = Seconds {
+        load,
+        build,
+        render: started.elapsed().as_secs_f64(),
+    };
+    watch.end();
+
+    let summary = RenderSummary {
+        args_models: &args.models,
+        scene: &scene,
+        accelerator: args.accel,
+        build: accelerator.build_stats(),
+        film: &film,
+        options: &options,
+        threads: pool.current_num_threads(),
+        seconds,
+        camera_flags: &camera_flags,
+        outputs: outputs.iter().map(|(path, _)| path.as_path()).collect(),
+    };
+    for (path, kind) in &outputs {
+        match kind {
+            OutputKind::Exr => {
+                let picture = render::layers(&film, &frame);
+                exr::write(path, &metadata::add(picture, &summary))?;
+            }
+            OutputKind::Display => ldr::write(path, &display(args, &film, &options))?,
+        }
+    }
+    if !args.quiet {
+        output::message(&summary.line());
+    }
+    if args.json {
+        output::result(&summary.json())?;
+    } else if args.stats {
+        output::result(&summary.table())?;
+    }
+    Ok(if film.is_complete {
+        Done::Completely
+    } else {
+        Done::Partially
+    })
+}
+
+enum OutputKind {
+    Exr,
+    Display,
+}
+
+/// The outputs and what they are, known to be possible before anything is rendered.
+fn outputs(args: &RenderArgs) -> anyhow::Result<Vec<(PathBuf, OutputKind)>> {
+    if args.pixel.is_some() && args.output.is_empty() {
+        return Ok(Vec::new());
+    }
+    let paths = if args.output.is_empty() {
+        let stem = args.models[0].file_stem().unwrap_or("picture".as_ref());
+        vec![Path::new(stem).with_extension("png")]
+    } else {
+        args.output.clone()
+    };
+    let mut outputs = Vec::new();
+    for path in paths {
+        let is_exr = path
+            .extension()
+            .is_some_and(|e| e.eq_ignore_ascii_case("exr"));
+        if !is_exr {
+            ldr::LdrFormat::of_path(&path)?;
+        }
+        let folder = path.parent().filter(|p| !p.as_os_str().is_empty());
+        if let Some(folder) = folder.filter(|f| !f.is_dir()) {
+            bail!(
+                "{}: there is no folder {}",
+                path.display(),
+                folder.display()
+            );
+        }
+        outputs.push((
+            path,
+            if is_exr {
+                OutputKind::Exr
+            } else {
+                OutputKind::Display
+            },
+        ));
+    }
+    Ok(outputs)
+}
+
+fn window(args: &RenderArgs) -> anyhow::Result<PixelRect> {
+    let size = args.resolution;
+    if let Some((x, y)) = args.pixel.filter(|(x, y)| *x >= size.0 || *y >= size.1) {
+        bail!(
+            "--pixel {x},{y} is outside the picture of {}x{} pixels",
+            size.0,
+            size.1
+        );
+    }
+    match (args.cropwindow, args.pixelbounds) {
+        (Some(crop), _) => Ok(crop.pixels(size)),
+        (None, Some(bounds)) => bounds.pixels(size).map_err(anyhow::Error::msg),
+        (None, None) => Ok(PixelRect {
+            x: 0,
+            y: 0,
+            width: size.0,
+            height: size.1,
+        }),
+    }
+}
+
+fn sky_mode(name: SkyName) -> SkyMode {
+    match name {
+        SkyName::Auto => SkyMode::Auto,
+        SkyName::On => SkyMode::On,
+        SkyName::Off => SkyMode::Off,
+    }
+}
+
+fn integrator(args: &RenderArgs, stage: &Stage) -> Integrator {
+    match args.integrator {
+        IntegratorName::Direct => Integrator::Direct,
+        IntegratorName::Ao => Integrator::Ao {
+            distance: args.ao_distance.unwrap_or(stage.diagonal * 0.1),
+        },
+        IntegratorName::Normals => Integrator::Normals,
+        IntegratorName::Facing => Integrator::Facing,
+    }
+}
+
+/// The film as people see it. Normals are numbers, not light, and are stored as they are.
+fn display(args: &RenderArgs, film: &Film, options: &RenderOptions) -> Raster {
+    let is_light = matches!(options.integrator, Integrator::Direct);
+    let tonemap = args.tonemap.unwrap_or(if is_light {
+        ToneMap::PbrNeutral
+    } else {
+        ToneMap::Clip
+    });
+    let factor = exposure_factor(args.exposure);
+    let pixels = film.map(|sum, _| {
+        let mean = sum.mean();
+        tonemap.apply(((mean.color + mean.backdrop) * factor).to_array())
+    });
+    let (width, height) = (film.window.width, film.window.height);
+    if matches!(options.integrator, Integrator::Normals) {
+        let pixels = RasterPixels::Rgb(pixels.iter().map(|c| c.map(srgb::unit_to_u8)).collect());
+        return Raster {
+            width,
+            height,
+            pixels,
+        };
+    }
+    Raster::from_rgb(width, height, &pixels)
+}
+
+/// Says what a scene holds, in one line.
+pub(super) fn describe(scene: &Scene) -> String {
+    format!(
+        "{} triangles in {} instances",
+        scene.placed_triangles(),
+        scene.instances.len()
+    )
+}

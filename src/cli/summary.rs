@@ -1,0 +1,164 @@
+//! What a render took, as a line, a table, and JSON.
+
+use std::path::{Path, PathBuf};
+
+use bspray::accel::{AcceleratorKind, BuildStats};
+use bspray::render::{Film, RenderOptions};
+use bspray::scene::Scene;
+use serde_json::{Value, json};
+
+/// Wall-clock times.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Seconds {
+    pub(super) load: f64,
+    pub(super) build: f64,
+    pub(super) render: f64,
+}
+
+/// Everything that is told about a render.
+pub(super) struct RenderSummary<'a> {
+    pub(super) args_models: &'a [PathBuf],
+    pub(super) scene: &'a Scene,
+    pub(super) accelerator: AcceleratorKind,
+    pub(super) build: BuildStats,
+    pub(super) film: &'a Film,
+    pub(super) options: &'a RenderOptions,
+    pub(super) threads: usize,
+    pub(super) seconds: Seconds,
+    pub(super) camera_flags: &'a str,
+    pub(super) outputs: Vec<&'a Path>,
+}
+
+impl RenderSummary<'_> {
+    fn rays_per_second(&self) -> f64 {
+        self.film.rays().total() as f64 / self.seconds.render.max(1e-9)
+    }
+
+    /// Mean of a count over all rays.
+    fn per_ray(&self, count: u64) -> f64 {
+        count as f64 / self.film.rays().total().max(1) as f64
+    }
+
+    fn output_list(&self) -> String {
+        self.outputs
+            .iter()
+            .map(|p| p.display().to_string())
+            .collect::<Vec<_>>()
+            .join(", ")
+    }
+
+    /// One line.
+    pub(super) fn line(&self) -> String {
+        let Seconds {
+            load,
+            build,
+            render,
+        } = self.seconds;
+        let partial = if self.film.is_complete {
+            ""
+        } else {
+            "partial: "
+        };
+        format!(
+            "{partial}{}: {}; load {load:.2} s, build {build:.2} s, render {render:.2} s",
+            self.output_list(),
+            super::render::describe(self.scene)
+        )
+    }
+
+    /// Rows of a name and a value.
+    pub(super) fn table(&self) -> String {
+        let (rays, cost) = (self.film.rays(), self.film.cost());
+        let Seconds {
+            load,
+            build,
+            render,
+        } = self.seconds;
+        let rows = [
+            (
+                "triangles placed",
+                self.scene.placed_triangles().to_string(),
+            ),
+            ("triangles in structure", self.build.triangles.to_string()),
+            ("accelerator", self.accelerator.to_string()),
+            (
+                "tree nodes",
+                format!("{} (depth {})", self.build.nodes, self.build.depth),
+            ),
+            ("structure bytes", self.build.bytes.to_string()),
+            (
+                "bytes a triangle",
+                format!(
+                    "{:.1}",
+                    self.build.bytes as f64 / self.build.triangles.max(1) as f64
+                ),
+            ),
+            ("threads", self.threads.to_string()),
+            ("load seconds", format!("{load:.4}")),
+            ("build seconds", format!("{build:.4}")),
+            ("render seconds", format!("{render:.4}")),
+            ("samples", self.film.samples().to_string()),
+            ("eye rays", rays.eye.to_string()),
+            ("shadow rays", rays.shadow.to_string()),
+            ("ambient rays", rays.ambient.to_string()),
+            ("rays a second", format!("{:.0}", self.rays_per_second())),
+            ("nodes a ray", format!("{:.2}", self.per_ray(cost.nodes))),
+            ("leaves a ray", format!("{:.2}", self.per_ray(cost.leaves))),
+            (
+                "triangle tests a ray",
+                format!("{:.2}", self.per_ray(cost.primitives)),
+            ),
+        ];
+        rows.iter()
+            .map(|(name, value)| format!("{name:<24}{value}\n"))
+            .collect()
+    }
+
+    /// One JSON object.
+    pub(super) fn json(&self) -> String {
+        format!("{:#}", self.value())
+    }
+
+    fn value(&self) -> Value {
+        let (rays, cost) = (self.film.rays(), self.film.cost());
+        let window = self.film.window;
+        json!({
+            "program": "bspray",
+            "version": env!("CARGO_PKG_VERSION"),
+            "models": self.args_models,
+            "outputs": self.outputs,
+            "complete": self.film.is_complete,
+            "resolution": [self.film.size.0, self.film.size.1],
+            "window": { "x": window.x, "y": window.y, "width": window.width, "height": window.height },
+            "integrator": self.options.integrator.name(),
+            "samples_per_pixel": self.options.samples,
+            "seed": self.options.seed,
+            "threads": self.threads,
+            "camera": self.camera_flags,
+            "scene": {
+                "meshes": self.scene.meshes.len(),
+                "instances": self.scene.instances.len(),
+                "materials": self.scene.materials.len(),
+                "triangles_placed": self.scene.placed_triangles(),
+                "notes": self.scene.notes.iter().map(ToString::to_string).collect::<Vec<_>>(),
+                "defects": self.scene.defects.iter().map(ToString::to_string).collect::<Vec<_>>(),
+            },
+            "accelerator": {
+                "kind": self.accelerator.name(),
+                "triangles": self.build.triangles,
+                "nodes": self.build.nodes,
+                "depth": self.build.depth,
+                "bytes": self.build.bytes,
+            },
+            "seconds": {
+                "load": self.seconds.load,
+                "build": self.seconds.build,
+                "render": self.seconds.render,
+            },
+            "samples": self.film.samples(),
+            "rays": { "eye": rays.eye, "shadow": rays.shadow, "ambient": rays.ambient, "total": rays.total() },
+            "rays_per_second": self.rays_per_second(),
+            "steps": { "nodes": cost.nodes, "leaves": cost.leaves, "primitives": cost.primitives },
+        })
+    }
+}
