@@ -3,6 +3,20 @@
 //! Files are written as one part of scan lines with ZIP compression in blocks of 16 rows, which is lossless and what every
 //! program reads. Equal pictures give equal files, whatever the number of threads. Colours carry no `chromaticities`:
 //! by the standard that means Rec. 709.
+//!
+//! ```
+//! use bspray::picture::{Attribute, Channel, Picture, Samples, Window, attribute, exr};
+//!
+//! let crop = Window { x: 100, y: 50, width: 1, height: 2 };
+//! let picture = Picture::new(640, 480)
+//!     .with_window(crop)
+//!     .with_channel(Channel::new("N.X", Samples::F16(vec![0.5, -1.0])))
+//!     .with_attribute(attribute::SOFTWARE, Attribute::Text("an example".into()));
+//! let folder = tempfile::tempdir()?;
+//! exr::write(&folder.path().join("crop.exr"), &picture)?;
+//! assert_eq!(exr::read(&folder.path().join("crop.exr"))?.window, crop);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
 
 use std::collections::BTreeSet;
 use std::fs::File;

@@ -1,6 +1,17 @@
 //! PNG and JPEG out, PNG, JPEG, TGA, BMP, WebP and HDR in: the only file that names the crate `image`.
 //!
 //! There is no colour management: embedded profiles and gamma values are not looked at, nor is a photograph's orientation.
+//!
+//! ```
+//! use bspray::picture::{Raster, ToneMap, ldr};
+//! use bspray::scene::Pixels;
+//!
+//! let radiance = [[0.04, 0.05, 0.06], [40.0, 0.5, 0.0]];
+//! let raster = Raster::from_rgb(2, 1, &radiance.map(|c| ToneMap::PbrNeutral.apply(c)));
+//! let image = ldr::read_image("two.png", &ldr::png_bytes(&raster)?)?;
+//! assert!(matches!(image.pixels, Some(Pixels::Rgba8(pixels)) if pixels[0] == [25, 39, 48, 255]));
+//! # Ok::<(), bspray::picture::PictureError>(())
+//! ```
 
 use std::io::{Cursor, Error, Write};
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -352,9 +363,10 @@ mod tests {
         assert!(read_image("", b"").is_err());
     }
 
-    /// A PNG whose header claims a size; the checksum is right.
-    fn png_of_size(width: u32, height: u32) -> Vec<u8> {
+    /// A PNG whose header claims a size and a depth of 8 or 16 bits; the checksum is right.
+    fn png_of_size(width: u32, height: u32, bits: u8) -> Vec<u8> {
         let mut bytes = png_bytes(&raster(true)).unwrap();
+        bytes[24] = bits;
         bytes[16..20].copy_from_slice(&width.to_be_bytes());
         bytes[20..24].copy_from_slice(&height.to_be_bytes());
         let mut crc = u32::MAX;
@@ -370,13 +382,22 @@ mod tests {
 
     #[test]
     fn image_bombs_are_named() {
-        let error = read_image("a.png", &png_of_size(65_537, 1)).unwrap_err();
+        let error = read_image("a.png", &png_of_size(65_537, 1, 8)).unwrap_err();
         assert!(
             error.to_string().contains("more than 65536 pixels"),
             "{error}"
         );
-        let error = read_image("a.png", &png_of_size(65_536, 65_536)).unwrap_err();
+        let error = read_image("a.png", &png_of_size(65_536, 65_536, 8)).unwrap_err();
         assert!(error.to_string().contains("more than 2 GiB"), "{error}");
+    }
+
+    #[test]
+    fn the_largest_texture_passes_the_limits() {
+        // It fails for its missing pixels only.
+        let error = read_image("a.png", &png_of_size(16_384, 16_384, 16)).unwrap_err();
+        assert!(matches!(error, PictureError::Invalid { .. }), "{error}");
+        let error = read_image("a.png", &png_of_size(16_384, 32_768, 16)).unwrap_err();
+        assert!(matches!(error, PictureError::Unsupported { .. }), "{error}");
     }
 
     #[test]

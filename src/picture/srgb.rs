@@ -1,6 +1,13 @@
 //! The sRGB transfer function (IEC 61966-2-1), exact and in its two pieces, between linear values and encoded ones.
 //!
 //! Linear and encoded values are in [0, 1].
+//!
+//! ```
+//! use bspray::picture::srgb;
+//!
+//! assert_eq!(srgb::u8_of_linear(0.5), 188);
+//! assert_eq!(srgb::u8_of_linear(srgb::LINEAR_OF_U8[77]), 77);
+//! ```
 
 use std::sync::LazyLock;
 
@@ -8,8 +15,7 @@ use std::sync::LazyLock;
 ///
 /// Total: below 0 and NaN give 0, above 1 gives 1. The result is within 2 ulps of the exact formula.
 pub fn encode(linear: f32) -> f32 {
-    // `f32::max` returns the number where the other is NaN.
-    let c = linear.max(0.0).min(1.0);
+    let c = unit(linear);
     if c <= 0.003_130_8 {
         12.92 * c
     } else {
@@ -22,12 +28,7 @@ pub fn encode(linear: f32) -> f32 {
 ///
 /// Total: below 0 and NaN give 0, above 1 gives 1.
 pub fn decode(encoded: f32) -> f32 {
-    let c = f64::from(encoded.max(0.0).min(1.0));
-    if c <= 0.040_45 {
-        (c / 12.92) as f32
-    } else {
-        libm::pow((c + 0.055) / 1.055, 2.4) as f32
-    }
+    decode_f64(f64::from(unit(encoded)))
 }
 
 /// The linear value of each 8-bit code, for texture lookups.
@@ -48,6 +49,11 @@ pub fn u8_of_linear(linear: f32) -> u8 {
 pub fn unit_to_u8(value: f32) -> u8 {
     // The cast saturates, and takes NaN to 0.
     (value * 255.0 + 0.5) as u8
+}
+
+/// Into [0, 1]; NaN, which is not greater than 0, becomes 0.
+fn unit(value: f32) -> f32 {
+    if value > 0.0 { value.min(1.0) } else { 0.0 }
 }
 
 fn decode_f64(c: f64) -> f32 {

@@ -42,8 +42,8 @@ impl ToneMap {
 
     /// Display light, in [0, 1], of linear radiance.
     pub fn apply(self, radiance: [f32; 3]) -> [f32; 3] {
-        // `max` returns the number where the other is NaN.
-        let c = radiance.map(|v| v.max(0.0).min(INPUT_LIMIT));
+        // NaN is not greater than 0.
+        let c = radiance.map(|v| if v > 0.0 { v.min(INPUT_LIMIT) } else { 0.0 });
         let mapped = match self {
             Self::PbrNeutral => pbr_neutral(c),
             Self::Aces => aces(c),
