@@ -89,13 +89,18 @@ fn nearest(x: &Relaxed) -> f32 {
             x.cmp(&middle)
         });
         let even = guess.to_bits() % 2 == 0;
-        if above.is_gt() || above.is_eq() && !even {
-            guess = guess.next_up();
+        let next = if above.is_gt() || above.is_eq() && !even {
+            guess.next_up()
         } else if below.is_lt() || below.is_eq() && !even {
-            guess = guess.next_down();
+            guess.next_down()
         } else {
+            guess
+        };
+        // Also true at infinity, which is its own neighbour.
+        if next == guess {
             return guess + 0.0;
         }
+        guess = next;
     }
 }
 
@@ -403,11 +408,12 @@ fn troublesome_triangles_are_hit_as_rational_numbers_say() {
     for (name, make) in TROUBLE {
         let met = run(name, 2, cases, make);
         println!("{name}: {met} of {cases} met");
-        // In its own plane a ray meets nothing; every other kind has both.
-        match name {
-            "ray in the triangle's plane" => assert_eq!(met, 0),
-            "corners on a line, or the same" => assert_eq!(met, 0),
-            _ => assert!(met > cases / 100 && met < cases, "{name}: {met} met"),
-        }
+        // So that no kind of trouble is only talked about.
+        let expected = match name {
+            "ray in the triangle's plane" | "corners on a line, or the same" => 0..=0,
+            "through a corner" | "through an edge" => cases * 95 / 100..=cases,
+            _ => cases / 100..=cases * 95 / 100,
+        };
+        assert!(expected.contains(&met), "{name}: {met} of {cases} met");
     }
 }
