@@ -155,3 +155,10 @@ pub const QUOTIENT_ERROR: f64 = 4.0 * U64;
 /// The normal's error is at most `sqrt(3) * NORMAL_FILTER` times the largest permanent, so that at this share (2^-25)
 /// the direction is wrong by less than 8.7 * 2^-53 / 2^-25 < 2^-24, half an ulp of 1 in `f32`.
 pub const NORMAL_TRUST: f64 = 1.0 / (1u32 << 25) as f64;
+
+/// Largest relative difference between the area of a polygon and that of its triangles which counts as rounding.
+///
+/// Both are sums of n products of differences in `f64`, so that rounding stays below about 4 n * 2^-53 of the polygon's
+/// extent squared: 5e-12 for ten thousand corners. A polygon that crosses itself is off by the share of its area that is
+/// covered twice. Larger: such crossings pass unnoticed; smaller: thin polygons lose their ears and become fans.
+pub const POLYGON_AREA_TOLERANCE: f64 = 1e-9;

@@ -1,10 +1,177 @@
 //! OBJ with MTL, through the crate `tobj`.
+//!
+//! `text` makes lines of bytes; `prepass` (with `attributes`, `faces`, `objects`, `numbers`, `pieces`) makes of those lines
+//! a text that `tobj` reads without loss; `reader` has `tobj` read it; `mesh` and `triangulate` make meshes of the result.
+//! `mtl` does for materials what `prepass` does for geometry, `materials` and `textures` convert them. Each of these says
+//! at its head what it takes for granted where the format is silent.
 
+mod attributes;
+mod faces;
+mod files;
+mod materials;
+mod mesh;
+mod mtl;
+mod notes;
+mod numbers;
+mod objects;
+mod pieces;
+mod prepass;
+mod reader;
+mod text;
+mod textures;
+mod triangulate;
+
+use std::collections::BTreeMap;
 use std::path::Path;
 
-use super::ImportError;
-use crate::scene::Scene;
+use glam::DAffine3;
 
-pub(super) fn load(file: &Path, _bytes: &[u8]) -> Result<Scene, ImportError> {
-    Err(ImportError::unsupported(file, "file", "OBJ"))
+use super::ImportError;
+use super::clean::drop_broken_triangles;
+use crate::scene::{Defect, DefectCause, Instance, Material, Scene, TriangleMesh};
+use mtl::Libraries;
+use notes::Notes;
+use objects::Object;
+use prepass::Named;
+use textures::Textures;
+use triangulate::Triangulator;
+
+/// Reads an OBJ file, and the files that it names.
+pub(super) fn load(file: &Path, bytes: &[u8]) -> Result<Scene, ImportError> {
+    if bytes.trim_ascii().is_empty() {
+        return Err(ImportError::invalid(file, "file", "is empty"));
+    }
+    let mut notes = Notes::new(file);
+    let source = text::with_plain_line_ends(bytes);
+    let file_name = file.file_stem().unwrap_or_default().to_string_lossy();
+    let mut prepared = prepass::prepare(&source, &file_name, &mut notes)?;
+    if prepared.objects.is_empty() {
+        let cause = match prepared.vertices {
+            0 => "holds no vertices and no faces: not an OBJ file, or an empty one".to_owned(),
+            vertices => format!("holds {vertices} vertices and no faces; only faces are rendered"),
+        };
+        return Err(ImportError::invalid(file, "file", cause));
+    }
+    let objects = std::mem::take(&mut prepared.objects);
+    let geometry = reader::read_objects(&mut prepared.store.reader(&prepared.text))
+        .map_err(|e| ImportError::invalid(file, "file", format!("the OBJ reader failed: {e}")))?;
+    let color_scale = prepared.color_scale;
+    let (names, libraries) = (prepared.materials, prepared.libraries);
+    drop(prepared.store);
+    if geometry.len() != objects.iter().filter(|o| o.face_count > 0).count() {
+        return Err(ImportError::invalid(
+            file,
+            "file",
+            "the OBJ reader lost an object",
+        ));
+    }
+
+    let folder = file.parent().unwrap_or(Path::new(""));
+    let mut materials = Materials {
+        names,
+        libraries: Libraries::load(&libraries, folder, &mut notes),
+        textures: Textures::default(),
+        of_name: BTreeMap::new(),
+        made: Vec::new(),
+        missing: Vec::new(),
+    };
+    let mut scene = Scene::default();
+    let mut triangulator = Triangulator::default();
+    let mut geometry = geometry.into_iter();
+    for object in &objects {
+        scene.defects.extend(too_few_corners(file, object));
+        if object.face_count == 0 {
+            continue;
+        }
+        let geometry = geometry.next().unwrap_or_default();
+        let (mut mesh, fanned) =
+            mesh::build(object, geometry, color_scale, &mut triangulator, |name| {
+                materials.index_of(name)
+            });
+        if fanned > 0 {
+            let text = format!(
+                "{fanned} polygons cross themselves or have no plane; cut as fans from their first corner"
+            );
+            notes.element(format!("mesh {:?}", mesh.name), text);
+        }
+        drop_broken_triangles(&mut mesh, file, &mut scene.defects);
+        place(mesh, &mut scene);
+    }
+    materials.finish(&mut scene, notes);
+    Ok(scene)
+}
+
+fn place(mesh: TriangleMesh, scene: &mut Scene) {
+    if mesh.triangles.is_empty() {
+        return;
+    }
+    let index = scene.meshes.len() as u32;
+    scene
+        .instances
+        .push(Instance::new(&mesh.name, index, DAffine3::IDENTITY));
+    scene.meshes.push(mesh);
+}
+
+fn too_few_corners(file: &Path, object: &Object) -> Option<Defect> {
+    let dropped = object.dropped?;
+    Some(Defect {
+        file: file.to_owned(),
+        element: format!("mesh {:?} (line {})", object.name, dropped.line),
+        cause: DefectCause::TooFewCorners,
+        count: dropped.count,
+        first: dropped.first_face,
+    })
+}
+
+/// The materials that faces use, made when first used.
+struct Materials {
+    names: Vec<Named>,
+    libraries: Libraries,
+    textures: Textures,
+    of_name: BTreeMap<Option<u32>, u32>,
+    made: Vec<Material>,
+    missing: Vec<u32>,
+}
+
+impl Materials {
+    /// The scene's material for the index of a `usemtl` name. A name that no MTL has gets the default material, so named.
+    fn index_of(&mut self, name: Option<u32>) -> u32 {
+        if let Some(&index) = self.of_name.get(&name) {
+            return index;
+        }
+        let material = match name.map(|n| &self.names[n as usize].name) {
+            None => Material::default(),
+            Some(named) => match self.libraries.find(named) {
+                Some((source, mtl)) => materials::convert(source, &mut self.textures, mtl),
+                None => {
+                    self.missing.extend(name);
+                    Material {
+                        name: named.clone(),
+                        ..Material::default()
+                    }
+                }
+            },
+        };
+        let index = self.made.len() as u32;
+        self.made.push(material);
+        self.of_name.insert(name, index);
+        index
+    }
+
+    fn finish(self, scene: &mut Scene, mut notes: Notes) {
+        if let Some(&first) = self.missing.first() {
+            let Named { name, line } = &self.names[first as usize];
+            let others = match self.missing.len() - 1 {
+                0 => String::new(),
+                count => format!(" and {count} more"),
+            };
+            let text = "is in no MTL file; the default material is used";
+            notes.element(format!("line {line}: material {name:?}{others}"), text);
+        }
+        scene.materials = self.made;
+        scene.images = self.textures.images;
+        scene.textures = self.textures.textures;
+        scene.notes = notes.into_notes();
+        scene.notes.extend(self.libraries.into_notes());
+    }
 }

@@ -1,0 +1,272 @@
+//! From MTL's Phong materials, and their extensions for physically based ones, to [`Material`].
+//!
+//! MTL says little of what its numbers mean. What is assumed here, in the space of linear Rec. 709:
+//! - `Kd` and the other colours are linear, as Blender and the renderers write and read them; images of colours are sRGB.
+//! - `Kd 0 0 0` beside `map_Kd` would show nothing: exporters mean the image alone. So with `Ke` and `map_Ke`.
+//! - `Ks` is relative to a dielectric's reflection, 0.5 being that of glass (Blender's convention); black `Kd` with
+//!   bright `Ks` is a metal of that colour. `illum 0` and `illum 1` have no reflection.
+//! - `Ns` is the exponent of Blinn's lobe: alpha = sqrt(2 / (Ns + 2)) (Walter et al. 2007), roughness = sqrt(alpha).
+//! - `Ni 1` is what exporters write who know of no refraction; it counts only where `illum` asks for refraction.
+//! - `d` is alpha, `Tr` is 1 - alpha where there is no `d`; both, and `map_d`, are blended, which is exact for leaves and
+//!   for glass. `illum 6` and `illum 7` refract: transmission, tinted by `Tf`.
+//! - `Ka` is the answer to ambient light, of which there is none here; but above 1, and without `Ke`, it can only
+//!   mean a light (the Cornell box of Intel's Embree has its light so).
+
+use glam::Vec3;
+
+use super::mtl::MtlFile;
+use super::reader::MtlMaterial;
+use super::textures::{Map, Textures};
+use crate::scene::{
+    AlphaMode, Bump, Clearcoat, Material, Sheen, Specular, TextureRef, Transmission,
+};
+
+/// The `Ks` that stands for a dielectric's own reflection.
+const USUAL_KS: f32 = 0.5;
+
+/// Roughness of sheen, of which MTL says nothing; pbrt's and Blender's default is about this.
+const SHEEN_ROUGHNESS: f32 = 0.5;
+
+/// Converts a material of `mtl`; what it needs of images goes into `textures`.
+pub(super) fn convert(
+    source: &MtlMaterial,
+    textures: &mut Textures,
+    mtl: &mut MtlFile,
+) -> Material {
+    let mut conversion = Conversion {
+        source,
+        textures,
+        mtl,
+        material: Material {
+            name: source.name.clone(),
+            ..Material::default()
+        },
+    };
+    conversion.base_color();
+    conversion.reflection();
+    conversion.alpha_and_refraction();
+    conversion.emission();
+    conversion.surface();
+    conversion.layers();
+    conversion.left_out();
+    conversion.material
+}
+
+struct Conversion<'c> {
+    source: &'c MtlMaterial,
+    textures: &'c mut Textures,
+    mtl: &'c mut MtlFile,
+    material: Material,
+}
+
+impl Conversion<'_> {
+    fn other(&self, key: &str) -> Option<&str> {
+        self.source.unknown_param.get(key).map(String::as_str)
+    }
+
+    fn number(&self, key: &str) -> Option<f32> {
+        self.other(key)?.parse().ok()
+    }
+
+    fn color(&self, key: &str) -> Option<Vec3> {
+        let mut numbers = self.other(key)?.split(' ').map(str::parse);
+        let mut next = || numbers.next()?.ok();
+        Some(Vec3::new(next()?, next()?, next()?))
+    }
+
+    fn texture(&mut self, statement: Option<&str>, with_pixels: bool) -> Option<TextureRef> {
+        self.textures
+            .find(&Map::parse(statement?), with_pixels, self.mtl)
+    }
+
+    fn note(&mut self, text: &str) {
+        let element = format!("material {:?}", self.material.name);
+        self.mtl.notes.element(element, text);
+    }
+
+    fn base_color(&mut self) {
+        let texture = self.texture(self.source.diffuse_texture.as_deref(), true);
+        let kd = color_of(self.source.diffuse).unwrap_or(Vec3::ONE);
+        let color = if kd == Vec3::ZERO && texture.is_some() {
+            Vec3::ONE
+        } else {
+            kd
+        };
+        self.material.base_color = color.extend(1.0);
+        self.material.base_color_texture = texture;
+    }
+
+    fn reflection(&mut self) {
+        let source = self.source;
+        if let Some(ns) = source.shininess {
+            // Rounding or a joke of the exporter: a negative exponent is no lobe.
+            self.material.roughness = (2.0 / (ns.max(0.0) + 2.0)).sqrt().sqrt();
+        }
+        if let Some(ni) = source.optical_density
+            && ni > 1.0
+        {
+            self.material.ior = ni;
+        }
+        let is_physical = self.other("Pm").is_some() || self.other("Pr").is_some();
+        let model = source.illumination_model;
+        let ks = match (color_of(source.specular), model) {
+            (_, Some(0 | 1)) => Some(Vec3::ZERO),
+            (ks, _) => ks,
+        };
+        let Some(ks) = ks else { return };
+        let is_black = color_of(source.diffuse) == Some(Vec3::ZERO)
+            && self.material.base_color_texture.is_none();
+        if is_black && ks != Vec3::ZERO && !is_physical && !matches!(model, Some(4 | 6 | 7 | 9)) {
+            self.material.metallic = 1.0;
+            self.material.base_color = ks.min(Vec3::ONE).extend(1.0);
+        } else if ks == Vec3::ZERO && is_physical {
+            // Programs that write Pr and Pm fill Ks with zeros.
+        } else {
+            self.material.specular = Some(Specular {
+                factor: if ks == Vec3::ZERO { 0.0 } else { 1.0 },
+                texture: None,
+                color: if ks == Vec3::ZERO {
+                    Vec3::ONE
+                } else {
+                    ks / USUAL_KS
+                },
+                color_texture: None,
+            });
+        }
+    }
+
+    fn alpha_and_refraction(&mut self) {
+        let source = self.source;
+        let alpha = source
+            .dissolve
+            .or_else(|| self.number("Tr").map(|tr| 1.0 - tr));
+        let alpha = alpha.unwrap_or(1.0).clamp(0.0, 1.0);
+        if let Some(6 | 7) = source.illumination_model {
+            let factor = if alpha < 1.0 { 1.0 - alpha } else { 1.0 };
+            self.material.transmission = Some(Transmission {
+                factor,
+                texture: None,
+            });
+            self.material.ior = source.optical_density.unwrap_or(self.material.ior).max(1.0);
+            let tint = self.color("Tf").unwrap_or(Vec3::ONE);
+            if tint != Vec3::ZERO {
+                self.material.base_color = tint.min(Vec3::ONE).extend(1.0);
+            }
+            return;
+        }
+        if alpha < 1.0 {
+            self.material.base_color.w = alpha;
+            self.material.alpha_mode = AlphaMode::Blend;
+            if alpha <= 0.0 {
+                self.note("is wholly transparent (d 0 or Tr 1): nothing of it shows");
+            }
+        }
+        if let Some(texture) = self.texture(source.dissolve_texture.as_deref(), true) {
+            self.material.alpha_mode = AlphaMode::Blend;
+            // The same image for both: its alpha already multiplies the base colour's.
+            let is_counted = self.material.base_color_texture == Some(texture)
+                && self.textures.has_alpha(texture);
+            self.material.opacity_texture = Some(texture).filter(|_| !is_counted);
+        }
+    }
+
+    fn emission(&mut self) {
+        let texture = self.texture(
+            self.source.unknown_param.get("map_Ke").map(String::as_str),
+            true,
+        );
+        let ke = color_of(self.source.emissive).unwrap_or(Vec3::ZERO);
+        self.material.emissive = match texture {
+            Some(_) if ke == Vec3::ZERO => Vec3::ONE,
+            _ => ke,
+        };
+        self.material.emissive_texture = texture;
+        let ka = color_of(self.source.ambient).unwrap_or(Vec3::ZERO);
+        if self.material.emissive == Vec3::ZERO && ka.max_element() > 1.0 {
+            self.material.emissive = ka;
+            self.note("has Ka above 1 and no Ke: taken as a light of that colour");
+        }
+    }
+
+    fn surface(&mut self) {
+        if let Some(roughness) = self.number("Pr") {
+            self.material.roughness = roughness.clamp(0.0, 1.0);
+        }
+        if let Some(metallic) = self.number("Pm") {
+            self.material.metallic = metallic.clamp(0.0, 1.0);
+        }
+        let params = &self.source.unknown_param;
+        let (map_pr, map_pm) = (params.get("map_Pr"), params.get("map_Pm"));
+        match (map_pr, map_pm) {
+            // One image with both: roughness is green and metallic blue by convention.
+            (Some(pr), Some(pm)) if pr == pm => {
+                self.material.metallic_roughness_texture = self.texture(Some(pr), false);
+                if self.material.metallic_roughness_texture.is_some() {
+                    self.material.metallic = self.number("Pm").unwrap_or(1.0).clamp(0.0, 1.0);
+                }
+            }
+            // A grey image: its blue channel multiplies a metallic of 0.
+            (Some(pr), None) if self.material.metallic <= 0.0 => {
+                self.material.metallic_roughness_texture = self.texture(Some(pr), false);
+            }
+            (None, None) => {}
+            _ => {
+                self.note("map_Pr and map_Pm are left out; put both in one image (green and blue)")
+            }
+        }
+        self.material.normal_texture = self.texture(params.get("norm").map(String::as_str), false);
+        if let Some(statement) = &self.source.normal_texture {
+            let map = Map::parse(statement);
+            self.material.bump = self
+                .textures
+                .find(&map, false, self.mtl)
+                .map(|texture| Bump {
+                    texture,
+                    scale: map.bump_factor,
+                });
+        }
+    }
+
+    fn layers(&mut self) {
+        if let Some(factor) = self.number("Pc").filter(|f| *f > 0.0) {
+            self.material.clearcoat = Some(Clearcoat {
+                factor: factor.min(1.0),
+                texture: None,
+                roughness: self.number("Pcr").unwrap_or(0.0).clamp(0.0, 1.0),
+                roughness_texture: None,
+                normal_texture: None,
+                normal_scale: 1.0,
+            });
+        }
+        if let Some(sheen) = self.number("Ps").filter(|f| *f > 0.0) {
+            self.material.sheen = Some(Sheen {
+                color: Vec3::splat(sheen.min(1.0)),
+                color_texture: None,
+                roughness: SHEEN_ROUGHNESS,
+                roughness_texture: None,
+            });
+        }
+    }
+
+    /// Notes the statements that would change the picture and are not followed.
+    fn left_out(&mut self) {
+        let source = self.source;
+        let mut names: Vec<&str> = [
+            "disp", "decal", "refl", "aniso", "anisor", "map_Ps", "map_Pc", "map_Pcr",
+        ]
+        .into_iter()
+        .filter(|name| source.unknown_param.contains_key(*name))
+        .collect();
+        names.extend(source.specular_texture.as_ref().map(|_| "map_Ks"));
+        names.extend(source.shininess_texture.as_ref().map(|_| "map_Ns"));
+        if !names.is_empty() {
+            let text = format!("{} left out", names.join(", "));
+            self.note(&text);
+        }
+    }
+}
+
+fn color_of(color: Option<[f32; 3]>) -> Option<Vec3> {
+    // Less than nothing is reflected by no surface.
+    color.map(|c| Vec3::from_array(c).max(Vec3::ZERO))
+}

@@ -1,0 +1,190 @@
+//! From an object's vertices and polygons to a [`TriangleMesh`]. OBJ has no transforms: object space is world space.
+//!
+//! - Texture coordinates: OBJ's v grows upwards, ours downwards, so v becomes 1 - v.
+//! - Vertex colours are sRGB, as MeshLab, ZBrush, Blender and scanners write them, and become linear.
+//! - Normals are made unit length; those without a direction become zero, which means the triangle's own.
+
+use glam::{Vec2, Vec3, Vec4};
+
+use super::objects::Object;
+use super::reader::Geometry;
+use super::triangulate::{Outcome, Triangulator};
+use crate::scene::{Outline, Part, TriangleMesh};
+
+/// Builds the mesh of an object. `material_of` gives the scene's material for the index of a `usemtl` name.
+/// Also counts the polygons that could only be fanned.
+pub(super) fn build(
+    object: &Object,
+    geometry: Geometry,
+    color_scale: f32,
+    triangulator: &mut Triangulator,
+    mut material_of: impl FnMut(Option<u32>) -> u32,
+) -> (TriangleMesh, u64) {
+    let mut mesh = TriangleMesh {
+        name: object.name.clone(),
+        positions: geometry
+            .positions
+            .chunks_exact(3)
+            .map(Vec3::from_slice)
+            .collect(),
+        normals: normals(&geometry.normals),
+        colors: geometry
+            .colors
+            .chunks_exact(3)
+            .map(|c| linear(Vec3::from_slice(c) * color_scale))
+            .collect(),
+        ..TriangleMesh::default()
+    };
+    if !geometry.texcoords.is_empty() {
+        mesh.uv_sets
+            .push(geometry.texcoords.chunks_exact(2).map(uv).collect());
+    }
+    let mut fanned = 0;
+    let mut next_corner = 0;
+    let mut runs = object.runs.iter().peekable();
+    for face in 0..object.face_count {
+        if let Some(run) = runs.next_if(|r| r.first_face == face) {
+            begin_part(&mut mesh, material_of(run.material));
+        }
+        let arity = geometry
+            .arities
+            .get(face as usize)
+            .map_or(3, |&a| a as usize);
+        let corners = &geometry.indices[next_corner..next_corner + arity];
+        next_corner += arity;
+        if let [a, b, c] = *corners {
+            mesh.triangles.push([a, b, c]);
+            continue;
+        }
+        let first_triangle = mesh.triangles.len() as u32;
+        let outcome = triangulator.polygon(corners, &mesh.positions, &mut mesh.triangles);
+        fanned += u64::from(outcome == Outcome::Fanned);
+        if triangulator.corners().len() > 3 {
+            mesh.outlines.push(Outline {
+                corners: triangulator.corners().into(),
+                first_triangle,
+                triangle_count: mesh.triangles.len() as u32 - first_triangle,
+            });
+        }
+    }
+    end_part(&mut mesh);
+    (mesh, fanned)
+}
+
+fn begin_part(mesh: &mut TriangleMesh, material: u32) {
+    end_part(mesh);
+    if mesh.parts.last().is_none_or(|p| p.material != material) {
+        mesh.parts.push(Part {
+            first_triangle: mesh.triangles.len() as u32,
+            triangle_count: 0,
+            material,
+        });
+    }
+}
+
+fn end_part(mesh: &mut TriangleMesh) {
+    if let Some(part) = mesh.parts.last_mut() {
+        part.triangle_count = mesh.triangles.len() as u32 - part.first_triangle;
+    }
+}
+
+fn normals(values: &[f32]) -> Vec<Vec3> {
+    let normals: Vec<Vec3> = values
+        .chunks_exact(3)
+        .map(|n| {
+            // In double precision, where the square of no single overflows or vanishes.
+            let n = Vec3::from_slice(n).as_dvec3();
+            let length = n.length();
+            if length > 0.0 && length.is_finite() {
+                (n / length).as_vec3()
+            } else {
+                Vec3::ZERO
+            }
+        })
+        .collect();
+    if normals.iter().all(|n| *n == Vec3::ZERO) {
+        return Vec::new();
+    }
+    normals
+}
+
+fn uv(values: &[f32]) -> Vec2 {
+    let uv = Vec2::new(values[0], 1.0 - values[1]);
+    if uv.is_finite() { uv } else { Vec2::ZERO }
+}
+
+/// Linear colour of an sRGB one (IEC 61966-2-1), opaque.
+fn linear(srgb: Vec3) -> Vec4 {
+    let channel = |c: f32| {
+        let c = c.clamp(0.0, 1.0);
+        if c <= 0.040_45 {
+            c / 12.92
+        } else {
+            libm::powf((c + 0.055) / 1.055, 2.4)
+        }
+    };
+    Vec4::new(channel(srgb.x), channel(srgb.y), channel(srgb.z), 1.0)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::import::obj::objects::Run;
+
+    #[test]
+    fn runs_become_parts_of_triangles() {
+        let run = |first_face, material| Run {
+            first_face,
+            material,
+        };
+        let mut object = Object::default();
+        object.runs = vec![run(0, Some(0)), run(1, Some(1)), run(2, Some(2))];
+        object.face_count = 3;
+        let geometry = Geometry {
+            positions: vec![0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 1.0, 2.0, 0.0, 0.0, 2.0, 0.0],
+            indices: vec![0, 1, 2, 3, 0, 1, 2, 0, 2, 3],
+            arities: vec![4, 3, 3],
+            ..Geometry::default()
+        };
+        // Two names of one material are one run.
+        let (mesh, fanned) = build(&object, geometry, 1.0, &mut Triangulator::default(), |m| {
+            u32::from(m == Some(2)) + 5
+        });
+        assert_eq!((mesh.validate(), fanned), (Ok(()), 0));
+        assert_eq!(
+            (0..4).map(|t| mesh.material_of(t)).collect::<Vec<_>>(),
+            [5, 5, 5, 6]
+        );
+        assert_eq!(mesh.parts.len(), 2);
+        assert_eq!(&*mesh.outlines[0].corners, [0, 1, 2, 3]);
+        assert_eq!(mesh.outlines.len(), 1);
+    }
+
+    #[test]
+    fn normals_without_direction_are_zero() {
+        let found = normals(&[
+            0.0,
+            3e38,
+            3e38,
+            f32::NAN,
+            0.0,
+            1.0,
+            0.0,
+            0.0,
+            0.0,
+            1e-45,
+            0.0,
+            0.0,
+        ]);
+        assert!((found[0] - Vec3::new(0.0, 0.5_f32.sqrt(), 0.5_f32.sqrt())).length() < 1e-6);
+        assert_eq!(found[1..], [Vec3::ZERO, Vec3::ZERO, Vec3::X]);
+        assert!(normals(&[0.0; 6]).is_empty());
+    }
+
+    #[test]
+    fn colours_become_linear() {
+        let half = linear(Vec3::new(0.0, 0.5, 1.0));
+        assert_eq!((half.x, half.z, half.w), (0.0, 1.0, 1.0));
+        assert!((half.y - 0.214_041).abs() < 1e-5);
+    }
+}

@@ -1,0 +1,242 @@
+//! The `map_` statements of MTL: options, files, and the scene's images and textures.
+
+use std::collections::HashMap;
+use std::path::PathBuf;
+
+use glam::{Affine2, Vec2, Vec3};
+
+use super::super::images;
+use super::files;
+use super::mtl::MtlFile;
+use super::text::before_comment;
+use crate::scene::{Image, Pixels, Texture, TextureRef, UvTransform, Wrap};
+
+/// A `map_` statement taken apart.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Map {
+    /// The file's name.
+    pub(super) name: String,
+    /// `-s`: how often the image repeats, along u and v.
+    pub(super) scale: Vec2,
+    /// `-o`: where it starts.
+    pub(super) offset: Vec2,
+    /// `-clamp on`.
+    pub(super) is_clamped: bool,
+    /// `-bm`: factor on heights.
+    pub(super) bump_factor: f32,
+    /// Whether there are options that change the picture and are not followed (`-mm`, `-t`).
+    pub(super) has_unread_options: bool,
+}
+
+impl Map {
+    /// Reads what stands behind the keyword.
+    pub(super) fn parse(text: &str) -> Self {
+        let mut map = Self {
+            name: String::new(),
+            scale: Vec2::ONE,
+            offset: Vec2::ZERO,
+            is_clamped: false,
+            bump_factor: 1.0,
+            has_unread_options: false,
+        };
+        let mut rest = text.trim();
+        while let Some((option, behind)) = rest.split_once([' ', '\t']) {
+            let mut behind = behind.trim_start();
+            match option.to_ascii_lowercase().as_str() {
+                "-s" => {
+                    let [u, v, _] = numbers(&mut behind, [1.0; 3]);
+                    map.scale = Vec2::new(u, v);
+                }
+                "-o" => {
+                    let [u, v, _] = numbers(&mut behind, [0.0; 3]);
+                    map.offset = Vec2::new(u, v);
+                }
+                "-t" => {
+                    map.has_unread_options |=
+                        Vec3::from(numbers(&mut behind, [0.0; 3])) != Vec3::ZERO
+                }
+                "-mm" => {
+                    map.has_unread_options |=
+                        Vec2::from(numbers(&mut behind, [0.0, 1.0])) != Vec2::Y
+                }
+                "-bm" => [map.bump_factor] = numbers(&mut behind, [1.0]),
+                "-boost" | "-texres" => drop(numbers(&mut behind, [0.0])),
+                "-clamp" => map.is_clamped = word(&mut behind).eq_ignore_ascii_case("on"),
+                "-blendu" | "-blendv" | "-cc" | "-imfchan" | "-type" => drop(word(&mut behind)),
+                _ => break,
+            }
+            rest = behind;
+        }
+        map.name = rest.to_owned();
+        map
+    }
+
+    /// The map of our texture coordinates, whose v is 1 minus OBJ's: OBJ looks up `uv * scale + offset`.
+    pub(super) fn transform(&self) -> UvTransform {
+        let offset = Vec2::new(self.offset.x, 1.0 - self.scale.y - self.offset.y);
+        Affine2::from_scale_angle_translation(self.scale, 0.0, offset)
+    }
+}
+
+fn word<'t>(text: &mut &'t str) -> &'t str {
+    let (word, rest) = text.split_once([' ', '\t']).unwrap_or((text, ""));
+    *text = rest.trim_start();
+    word
+}
+
+/// As many numbers as there are, up to N; `default` for the others.
+fn numbers<const N: usize>(text: &mut &str, default: [f32; N]) -> [f32; N] {
+    default.map(|default| {
+        let mut rest = *text;
+        match word(&mut rest).parse::<f32>() {
+            Ok(number) if number.is_finite() => {
+                *text = rest;
+                number
+            }
+            _ => default,
+        }
+    })
+}
+
+/// The scene's images and textures.
+#[derive(Default)]
+pub(super) struct Textures {
+    /// Images: one a file.
+    pub(super) images: Vec<Image>,
+    /// Textures: one an image and way to sample it.
+    pub(super) textures: Vec<Texture>,
+    image_of: HashMap<PathBuf, Result<u32, String>>,
+    texture_of: HashMap<(u32, bool), u32>,
+}
+
+impl Textures {
+    /// The texture that a statement of an MTL file names. Its pixels are read if a renderer uses them (`with_pixels`). `None`,
+    /// and a note, if the file is not there or cannot be read.
+    pub(super) fn find(
+        &mut self,
+        map: &Map,
+        with_pixels: bool,
+        mtl: &mut MtlFile,
+    ) -> Option<TextureRef> {
+        let candidates = [Some(map.name.as_str()), before_comment(&map.name)];
+        let path = candidates
+            .into_iter()
+            .flatten()
+            .find_map(|n| files::find(&mtl.folder, n));
+        let element = format!("texture {:?}", map.name);
+        let Some(path) = path else {
+            mtl.notes
+                .element(element, "is not there; materials do without it");
+            return None;
+        };
+        let image = match self.image(path, &map.name, with_pixels) {
+            Ok(image) => image,
+            Err(error) => {
+                let text = format!("cannot be read: {error}; materials do without it");
+                mtl.notes.element(element, text);
+                return None;
+            }
+        };
+        if map.has_unread_options {
+            mtl.notes
+                .element(element, "options -mm and -t are not followed");
+        }
+        let texture = *self
+            .texture_of
+            .entry((image, map.is_clamped))
+            .or_insert_with(|| {
+                let wrap = if map.is_clamped {
+                    Wrap::ClampToEdge
+                } else {
+                    Wrap::Repeat
+                };
+                self.textures.push(Texture {
+                    image,
+                    wrap_u: wrap,
+                    wrap_v: wrap,
+                    ..Texture::default()
+                });
+                self.textures.len() as u32 - 1
+            });
+        Some(TextureRef {
+            texture,
+            uv_set: 0,
+            transform: map.transform(),
+        })
+    }
+
+    fn image(&mut self, path: PathBuf, name: &str, with_pixels: bool) -> Result<u32, String> {
+        let known = self.image_of.get(&path).cloned().transpose()?;
+        if known.is_some_and(|i| !with_pixels || self.images[i as usize].pixels.is_some()) {
+            return known.ok_or_else(String::new);
+        }
+        let image = if with_pixels {
+            let read = std::fs::read(&path).map_err(|e| e.to_string());
+            read.and_then(|bytes| images::decode(name, &bytes))
+        } else {
+            Ok(Image {
+                name: name.to_owned(),
+                ..Image::default()
+            })
+        };
+        let index = image.map(|image| match known {
+            Some(index) => {
+                self.images[index as usize] = image;
+                index
+            }
+            None => {
+                self.images.push(image);
+                self.images.len() as u32 - 1
+            }
+        });
+        if known.is_none() {
+            self.image_of.insert(path, index.clone());
+        }
+        index
+    }
+
+    /// Whether some pixel of a texture is not opaque.
+    pub(super) fn has_alpha(&self, texture: TextureRef) -> bool {
+        let image = self.textures[texture.texture as usize].image;
+        match &self.images[image as usize].pixels {
+            Some(Pixels::Rgba8(pixels)) => pixels.iter().any(|p| p[3] < u8::MAX),
+            Some(Pixels::Rgba16(pixels)) => pixels.iter().any(|p| p[3] < u16::MAX),
+            Some(Pixels::RgbaF32(pixels)) => pixels.iter().any(|p| p[3] < 1.0),
+            None => false,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn options_are_told_from_names() {
+        let map =
+            Map::parse("-s 2 3 1 -o 0.5 -blendu off -clamp on -mm 0 1 -bm 0.2 my wood -s.png");
+        assert_eq!(map.name, "my wood -s.png");
+        assert_eq!(
+            (map.scale, map.offset),
+            (Vec2::new(2.0, 3.0), Vec2::new(0.5, 0.0))
+        );
+        assert!(map.is_clamped && !map.has_unread_options);
+        assert_eq!(map.bump_factor, 0.2);
+        assert_eq!(Map::parse("-s 2 2wood.png").name, "2wood.png");
+        assert_eq!(Map::parse("-S 2 3.png").scale, Vec2::new(2.0, 1.0));
+        assert!(Map::parse("-mm 0.1 2 a.png").has_unread_options);
+        assert_eq!(Map::parse("-unknown a.png").name, "-unknown a.png");
+    }
+
+    #[test]
+    fn the_transform_minds_that_v_is_flipped() {
+        let map = Map::parse("-s 2 3 1 -o 0.1 0.2 a.png");
+        for uv in [Vec2::ZERO, Vec2::new(0.3, 0.7)] {
+            let obj = uv * Vec2::new(2.0, 3.0) + Vec2::new(0.1, 0.2);
+            let ours = map
+                .transform()
+                .transform_point2(Vec2::new(uv.x, 1.0 - uv.y));
+            assert!((ours - Vec2::new(obj.x, 1.0 - obj.y)).length() < 1e-6);
+        }
+    }
+}
