@@ -6,6 +6,7 @@
 
 mod clean;
 mod gltf;
+mod images;
 mod obj;
 
 use std::path::{Path, PathBuf};
