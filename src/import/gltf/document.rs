@@ -1,0 +1,333 @@
+//! The JSON text as the structs of the crate `gltf`, where it accepts it, and with what it gets wrong mended.
+//!
+//! What `gltf-json` 1.4.1 was found to do with legal files, and what is done about it: it refuses `extras` that are not objects,
+//! scenes without `nodes`, animation channels without a node and whole numbers written `3.0` (mended by [`mended`]);
+//! it cuts indices to 32 bits (found by [`has_large_integer`]); it rounds node transforms to single
+//! precision (read once more, as [`Pose`]).
+
+use std::path::Path;
+
+use ::gltf::json::{Root, accessor, buffer};
+use serde::Deserialize;
+use serde_json::{Map, Number, Value};
+
+use super::buffers::Buffers;
+use super::container::Container;
+use crate::import::ImportError;
+
+/// A file's JSON with its buffers.
+pub(super) struct Document<'a> {
+    pub(super) file: &'a Path,
+    pub(super) root: Root,
+    /// The transform of each node, in double precision.
+    pub(super) poses: Vec<Pose>,
+    pub(super) has_animations: bool,
+    pub(super) buffers: Buffers<'a>,
+}
+
+/// A node's transform as the file has it: a matrix (columns), or translation, rotation (x, y, z, w) and scale.
+#[derive(Clone, Debug, Default, Deserialize)]
+#[serde(default)]
+pub(super) struct Pose {
+    pub(super) matrix: Option<[f64; 16]>,
+    pub(super) translation: Option<[f64; 3]>,
+    pub(super) rotation: Option<[f64; 4]>,
+    pub(super) scale: Option<[f64; 3]>,
+}
+
+#[derive(Deserialize)]
+struct Versions {
+    asset: Option<Asset>,
+}
+
+#[derive(Deserialize)]
+struct Asset {
+    version: Option<String>,
+    #[serde(rename = "minVersion")]
+    min_version: Option<String>,
+}
+
+#[derive(Deserialize)]
+struct Poses {
+    #[serde(default)]
+    nodes: Vec<Pose>,
+}
+
+impl<'a> Document<'a> {
+    pub(super) fn read(file: &'a Path, container: &Container<'a>) -> Result<Self, ImportError> {
+        let json = container.json;
+        let wrong = |e: &dyn std::fmt::Display| ImportError::invalid(file, "JSON", e.to_string());
+        check_version(file, serde_json::from_slice(json).map_err(|e| wrong(&e))?)?;
+        let strict: Result<Root, _> = serde_json::from_slice(json);
+        let (root, has_animations) = match strict {
+            Ok(root) if !has_large_integer(json) => {
+                let has_animations = !root.animations.is_empty();
+                (root, has_animations)
+            }
+            strict => {
+                let (value, has_animations) = mended(json).map_err(|e| wrong(&e))?;
+                let root = match (Root::deserialize(value), strict) {
+                    (Ok(root), _) => root,
+                    // The error of the first reading: it knows its line.
+                    (Err(_), Err(e)) | (Err(e), Ok(_)) => return Err(wrong(&e)),
+                };
+                (root, has_animations)
+            }
+        };
+        let Poses { nodes: mut poses } = serde_json::from_slice(json).map_err(|e| wrong(&e))?;
+        poses.resize(root.nodes.len(), Pose::default());
+        let buffers = Buffers::new(file, &root, container.binary);
+        Ok(Self {
+            file,
+            root,
+            poses,
+            has_animations,
+            buffers,
+        })
+    }
+
+    pub(super) fn invalid(
+        &self,
+        element: impl Into<String>,
+        cause: impl Into<String>,
+    ) -> ImportError {
+        ImportError::invalid(self.file, element, cause)
+    }
+
+    /// `node 3 "wheel"`, as messages name it.
+    pub(super) fn node_label(&self, node: usize) -> String {
+        label(
+            "node",
+            node,
+            self.root.nodes.get(node).and_then(|n| n.name.as_ref()),
+        )
+    }
+
+    /// `mesh 3 "wheel"`, as messages name it.
+    pub(super) fn mesh_label(&self, mesh: usize) -> String {
+        label(
+            "mesh",
+            mesh,
+            self.root.meshes.get(mesh).and_then(|m| m.name.as_ref()),
+        )
+    }
+
+    pub(super) fn accessor(&self, index: usize) -> Result<&accessor::Accessor, String> {
+        let count = self.root.accessors.len();
+        let accessor = self.root.accessors.get(index);
+        accessor.ok_or_else(|| format!("accessor {index} is not there: the file has {count}"))
+    }
+
+    /// The bytes of a buffer view, and the view itself.
+    pub(super) fn view(&self, index: usize) -> Result<(&[u8], &buffer::View), String> {
+        let count = self.root.buffer_views.len();
+        let Some(view) = self.root.buffer_views.get(index) else {
+            return Err(format!(
+                "buffer view {index} is not there: the file has {count}"
+            ));
+        };
+        let buffer = view.buffer.value();
+        let bytes = self.buffers.get(&self.root, buffer)?;
+        let offset = view.byte_offset.map_or(0, |o| o.0);
+        let end = offset.saturating_add(view.byte_length.0);
+        // A range that does not fit in usize is no part of a slice either.
+        let range = usize::try_from(offset).unwrap_or(usize::MAX)
+            ..usize::try_from(end).unwrap_or(usize::MAX);
+        let within = bytes.get(range).ok_or_else(|| {
+            format!(
+                "buffer view {index} claims bytes {offset}..{end} of buffer {buffer}, which has {}",
+                bytes.len()
+            )
+        })?;
+        Ok((within, view))
+    }
+}
+
+/// `kind index "name"`, or without the name where there is none.
+pub(super) fn label(kind: &str, index: usize, name: Option<&String>) -> String {
+    match name {
+        Some(name) if !name.is_empty() => format!("{kind} {index} {name:?}"),
+        _ => format!("{kind} {index}"),
+    }
+}
+
+fn check_version(file: &Path, versions: Versions) -> Result<(), ImportError> {
+    let Some(version) = versions.asset.as_ref().and_then(|a| a.version.as_ref()) else {
+        let cause = "asset.version is missing: this is not glTF 2.0";
+        return Err(ImportError::invalid(file, "JSON", cause));
+    };
+    let least = versions.asset.as_ref().and_then(|a| a.min_version.as_ref());
+    let major = version.split('.').next();
+    if major == Some("2") && least.is_none_or(|v| v == "2.0") {
+        return Ok(());
+    }
+    let cause = format!(
+        "version {} is not supported, only 2.0: convert the file, for example with gltf-pipeline",
+        least.unwrap_or(version)
+    );
+    Err(ImportError::unsupported(file, "JSON", cause))
+}
+
+/// Whether the text has an integer beyond 32 bits. False alarms (in strings) only cost time.
+fn has_large_integer(json: &[u8]) -> bool {
+    json.split(|b| !b.is_ascii_digit())
+        .filter(|digits| digits.len() >= 10)
+        .filter_map(|digits| std::str::from_utf8(digits).ok())
+        .any(|digits| digits.parse::<u64>().is_ok_and(|n| n > u64::from(u32::MAX)))
+}
+
+/// The document without what `gltf-json` would refuse although it is legal (or harmless), and whether it had animations.
+fn mended(json: &[u8]) -> Result<(Value, bool), String> {
+    let mut value: Value = serde_json::from_slice(json).map_err(|e| e.to_string())?;
+    mend(&mut value)?;
+    let mut has_animations = false;
+    if let Some(root) = value.as_object_mut() {
+        let animations = root.remove("animations");
+        has_animations = animations
+            .as_ref()
+            .and_then(Value::as_array)
+            .is_some_and(|a| !a.is_empty());
+        let scenes = root.get_mut("scenes").and_then(Value::as_array_mut);
+        for scene in scenes
+            .into_iter()
+            .flatten()
+            .filter_map(Value::as_object_mut)
+        {
+            scene
+                .entry("nodes")
+                .or_insert_with(|| Value::Array(Vec::new()));
+        }
+    }
+    Ok((value, has_animations))
+}
+
+/// Properties that are indices into the document's arrays.
+const INDEX_KEYS: [&str; 14] = [
+    "buffer",
+    "bufferView",
+    "camera",
+    "children",
+    "index",
+    "indices",
+    "light",
+    "material",
+    "mesh",
+    "nodes",
+    "sampler",
+    "scene",
+    "skin",
+    "source",
+];
+
+/// Drops extras and nulls, and writes `3.0` as `3`. Deep nesting was refused by the parser (128 levels).
+fn mend(value: &mut Value) -> Result<(), String> {
+    match value {
+        Value::Object(map) => mend_object(map),
+        Value::Array(items) => items.iter_mut().try_for_each(mend),
+        Value::Number(number) => {
+            let whole = number.as_f64().filter(|f| {
+                // Beyond 2^53 not every integer is a double.
+                number.is_f64() && f.fract() == 0.0 && f.abs() <= 9_007_199_254_740_992.0
+            });
+            if let Some(f) = whole {
+                *number = Number::from(f as i64);
+            }
+            Ok(())
+        }
+        _ => Ok(()),
+    }
+}
+
+fn mend_object(map: &mut Map<String, Value>) -> Result<(), String> {
+    map.remove("extras");
+    map.retain(|_, v| !v.is_null());
+    for (key, value) in map.iter_mut() {
+        mend(value)?;
+        let too_large = |v: &Value| v.as_u64().filter(|&n| n > u64::from(u32::MAX));
+        let is_index = INDEX_KEYS.contains(&key.as_str());
+        let found = match value {
+            Value::Number(_) if is_index => too_large(value),
+            Value::Array(items) if is_index => items.iter().find_map(too_large),
+            Value::Object(attributes) if key == "attributes" => {
+                attributes.values().find_map(too_large)
+            }
+            _ => None,
+        };
+        if let Some(n) = found {
+            return Err(format!("{key:?}: index {n} is beyond every array"));
+        }
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn read(json: &str) -> Result<Root, String> {
+        let container = Container {
+            json: json.as_bytes(),
+            binary: None,
+        };
+        Document::read(Path::new("a.gltf"), &container)
+            .map(|d| d.root)
+            .map_err(|e| e.to_string())
+    }
+
+    #[test]
+    fn legal_files_that_the_crate_refuses_are_mended() {
+        let root = read(
+            r#"{"asset":{"version":"2.0","extras":"text"},"scene":0.0,"scenes":[{}],
+                "nodes":[{"name":null,"extras":[1,2],"translation":[1,2.5,4294967297]}],
+                "animations":[{"channels":[{"sampler":0,"target":{"path":"pointer"}}],"samplers":[]}],
+                "accessors":[{"componentType":5126,"count":3.0,"type":"VEC3"}]}"#,
+        )
+        .expect("legal");
+        assert_eq!(root.accessors[0].count.0, 3);
+        assert_eq!(root.scenes[0].nodes.len(), 0);
+        assert_eq!(root.nodes[0].translation, Some([1.0, 2.5, 4_294_967_297.0]));
+    }
+
+    #[test]
+    fn an_index_beyond_32_bits_does_not_become_a_small_one() {
+        for broken in [
+            r#""nodes":[{"mesh":4294967296}]"#,
+            r#""scenes":[{"nodes":[4294967296]}]"#,
+            r#""meshes":[{"primitives":[{"attributes":{"POSITION":4294967296}}]}]"#,
+        ] {
+            let error = read(&format!(r#"{{"asset":{{"version":"2.0"}},{broken}}}"#));
+            let error = error.expect_err("too large");
+            assert!(error.contains("index 4294967296 is beyond"), "{error}");
+        }
+    }
+
+    #[test]
+    fn errors_name_line_and_column() {
+        let error = read("{\"asset\":{\"version\":\"2.0\"},\n \"nodes\": 7}").expect_err("type");
+        assert!(error.contains("line 2 column 11"), "{error}");
+        let error = read("{\"asset\":\n{\"version\":}").expect_err("syntax");
+        assert!(error.contains("line 2 column"), "{error}");
+        let deep = format!("{{\"asset\":{}", "[".repeat(5000));
+        assert!(read(&deep).expect_err("deep").contains("line 1 column"));
+    }
+
+    #[test]
+    fn only_version_2_is_read() {
+        let version = |asset: &str| read(&format!("{{{asset}}}"));
+        assert!(version(r#""asset":{"version":"2.1"}"#).is_ok());
+        assert!(
+            version("")
+                .expect_err("none")
+                .contains("asset.version is missing")
+        );
+        assert!(
+            version(r#""asset":{}"#)
+                .expect_err("none")
+                .contains("asset.version is missing")
+        );
+        let old = version(r#""asset":{"version":"1.0"},"nodes":{"a":{}}"#).expect_err("old");
+        assert!(old.contains("version 1.0 is not supported"), "{old}");
+        let new = version(r#""asset":{"version":"2.1","minVersion":"2.1"}"#).expect_err("new");
+        assert!(new.contains("version 2.1 is not supported"), "{new}");
+    }
+}

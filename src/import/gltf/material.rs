@@ -1,0 +1,243 @@
+//! Materials with the lobes of their extensions, and what they look up in textures.
+
+use std::collections::BTreeSet;
+
+use ::gltf::json;
+use ::gltf::json::material::AlphaMode as JsonAlphaMode;
+use ::gltf::json::validation::Checked;
+use glam::{Vec3, Vec4};
+use serde_json::{Map, Value};
+
+use super::extensions::Extension;
+use super::texture::Textures;
+use crate::scene::{
+    AlphaMode, Clearcoat, Material, Sheen, Specular, TextureRef, Transmission, Volume,
+};
+
+/// The file's textures that give a material's colour, alpha or light: those of which pixels are needed.
+pub(super) fn shown_textures(json: &json::Material, shown: &mut BTreeSet<usize>) {
+    let pbr = &json.pbr_metallic_roughness;
+    shown.extend(pbr.base_color_texture.as_ref().map(|t| t.index.value()));
+    shown.extend(json.emissive_texture.as_ref().map(|t| t.index.value()));
+    shown.extend(
+        specular_glossiness(json)
+            .and_then(|e| e.object("diffuseTexture"))
+            .and_then(|t| t.index("index")),
+    );
+}
+
+/// What primitives without a material have (glTF 2.0 specification, section 5.19).
+pub(super) fn default_material() -> Material {
+    Material {
+        name: "default".to_owned(),
+        metallic: 1.0,
+        double_sided: false,
+        ..Material::default()
+    }
+}
+
+pub(super) fn read(json: &json::Material, index: usize, textures: &Textures) -> Material {
+    let pbr = &json.pbr_metallic_roughness;
+    let name = json.name.clone().filter(|n| !n.is_empty());
+    let emissive = Vec3::from(json.emissive_factor.0) * emissive_strength(json);
+    let mut material = Material {
+        name: name.unwrap_or_else(|| format!("material {index}")),
+        base_color: finite_or(Vec4::from(pbr.base_color_factor.0), Vec4::ONE),
+        base_color_texture: info(textures, pbr.base_color_texture.as_ref()),
+        metallic: unit(pbr.metallic_factor.0),
+        roughness: unit(pbr.roughness_factor.0),
+        metallic_roughness_texture: info(textures, pbr.metallic_roughness_texture.as_ref()),
+        emissive: if emissive.is_finite() {
+            emissive.max(Vec3::ZERO)
+        } else {
+            Vec3::ZERO
+        },
+        emissive_texture: info(textures, json.emissive_texture.as_ref()),
+        alpha_mode: match json.alpha_mode {
+            Checked::Valid(JsonAlphaMode::Mask) => AlphaMode::Mask {
+                cutoff: json.alpha_cutoff.map_or(0.5, |c| c.0),
+            },
+            Checked::Valid(JsonAlphaMode::Blend) => AlphaMode::Blend,
+            Checked::Valid(JsonAlphaMode::Opaque) | Checked::Invalid => AlphaMode::Opaque,
+        },
+        double_sided: json.double_sided,
+        ..Material::default()
+    };
+    if let Some(t) = &json.normal_texture {
+        let extensions = t.extensions.as_ref().map(|e| &e.others);
+        material.normal_texture = textures.refer(t.index.value(), t.tex_coord, extensions);
+        material.normal_scale = t.scale;
+    }
+    if let Some(t) = &json.occlusion_texture {
+        let extensions = t.extensions.as_ref().map(|e| &e.others);
+        material.occlusion_texture = textures.refer(t.index.value(), t.tex_coord, extensions);
+        material.occlusion_strength = unit(t.strength.0);
+    }
+    read_specular_glossiness(&mut material, json, textures);
+    read_lobes(&mut material, json, textures);
+    material
+}
+
+fn extensions(json: &json::Material) -> Option<&Map<String, Value>> {
+    json.extensions.as_ref().map(|e| &e.others)
+}
+
+fn emissive_strength(json: &json::Material) -> f32 {
+    Extension::find(extensions(json), "KHR_materials_emissive_strength")
+        .and_then(|e| e.number("emissiveStrength"))
+        .unwrap_or(1.0)
+}
+
+fn specular_glossiness(json: &json::Material) -> Option<Extension<'_>> {
+    Extension::find(extensions(json), "KHR_materials_pbrSpecularGlossiness")
+}
+
+/// The older model of the archived extension, as far as metallic-roughness has words for it.
+fn read_specular_glossiness(material: &mut Material, json: &json::Material, textures: &Textures) {
+    let Some(e) = specular_glossiness(json) else {
+        return;
+    };
+    material.base_color = e.numbers("diffuseFactor").map_or(Vec4::ONE, Vec4::from);
+    material.base_color_texture = texture(textures, e, "diffuseTexture");
+    material.metallic = 0.0;
+    material.roughness = 1.0 - unit(e.number("glossinessFactor").unwrap_or(1.0));
+    material.metallic_roughness_texture = None;
+}
+
+fn read_lobes(material: &mut Material, json: &json::Material, textures: &Textures) {
+    let find = |name| Extension::find(extensions(json), name);
+    let share = |e: Extension, key, default| unit(e.number(key).unwrap_or(default));
+    material.unlit = find("KHR_materials_unlit").is_some();
+    if let Some(ior) = find("KHR_materials_ior").and_then(|e| e.number("ior")) {
+        material.ior = ior;
+    }
+    material.specular = find("KHR_materials_specular").map(|e| Specular {
+        factor: share(e, "specularFactor", 1.0),
+        texture: texture(textures, e, "specularTexture"),
+        color: e.color("specularColorFactor", Vec3::ONE),
+        color_texture: texture(textures, e, "specularColorTexture"),
+    });
+    material.transmission = find("KHR_materials_transmission").map(|e| Transmission {
+        factor: share(e, "transmissionFactor", 0.0),
+        texture: texture(textures, e, "transmissionTexture"),
+    });
+    material.volume = find("KHR_materials_volume").map(|e| Volume {
+        thickness: e.number("thicknessFactor").unwrap_or(0.0).max(0.0),
+        thickness_texture: texture(textures, e, "thicknessTexture"),
+        attenuation_distance: e
+            .number("attenuationDistance")
+            .filter(|&d| d > 0.0)
+            .unwrap_or(f32::INFINITY),
+        attenuation_color: e.color("attenuationColor", Vec3::ONE),
+    });
+    material.clearcoat = find("KHR_materials_clearcoat").map(|e| Clearcoat {
+        factor: share(e, "clearcoatFactor", 0.0),
+        texture: texture(textures, e, "clearcoatTexture"),
+        roughness: share(e, "clearcoatRoughnessFactor", 0.0),
+        roughness_texture: texture(textures, e, "clearcoatRoughnessTexture"),
+        normal_texture: texture(textures, e, "clearcoatNormalTexture"),
+        normal_scale: e
+            .object("clearcoatNormalTexture")
+            .and_then(|t| t.number("scale"))
+            .unwrap_or(1.0),
+    });
+    material.sheen = find("KHR_materials_sheen").map(|e| Sheen {
+        color: e.color("sheenColorFactor", Vec3::ZERO),
+        color_texture: texture(textures, e, "sheenColorTexture"),
+        roughness: share(e, "sheenRoughnessFactor", 0.0),
+        roughness_texture: texture(textures, e, "sheenRoughnessTexture"),
+    });
+}
+
+/// A texture of the core format.
+fn info(textures: &Textures, info: Option<&json::texture::Info>) -> Option<TextureRef> {
+    let info = info?;
+    let extensions = info.extensions.as_ref().map(|e| &e.others);
+    textures.refer(info.index.value(), info.tex_coord, extensions)
+}
+
+/// A texture of an extension.
+fn texture(textures: &Textures, extension: Extension, key: &str) -> Option<TextureRef> {
+    let info = extension.object(key)?;
+    let uv_set = info.index("texCoord").unwrap_or(0);
+    let uv_set = u32::try_from(uv_set).unwrap_or(u32::MAX);
+    textures.refer(info.index("index")?, uv_set, info.extensions())
+}
+
+/// A factor within 0 to 1; 1, the default of all core factors, where it is not a number.
+fn unit(factor: f32) -> f32 {
+    if factor.is_nan() {
+        return 1.0;
+    }
+    factor.clamp(0.0, 1.0)
+}
+
+fn finite_or(value: Vec4, default: Vec4) -> Vec4 {
+    if value.is_finite() { value } else { default }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn material(json: &str) -> Material {
+        let json: json::Material = serde_json::from_str(json).expect("JSON");
+        read(&json, 3, &Textures::default())
+    }
+
+    #[test]
+    fn an_empty_material_is_the_default_one() {
+        let expected = Material {
+            name: "material 3".to_owned(),
+            ..default_material()
+        };
+        assert_eq!(material("{}"), expected);
+        assert_eq!((expected.metallic, expected.roughness), (1.0, 1.0));
+    }
+
+    #[test]
+    fn lobes_have_the_defaults_of_their_extensions() {
+        let m = material(
+            r#"{"extensions":{"KHR_materials_unlit":{},"KHR_materials_ior":{"ior":1.25},
+            "KHR_materials_specular":{"specularFactor":0.5},"KHR_materials_volume":{"attenuationColor":[0.25,0.5,1]},
+            "KHR_materials_transmission":{"transmissionFactor":0.75},"KHR_materials_clearcoat":{},
+            "KHR_materials_sheen":{"sheenColorFactor":[1,0.5,0]},
+            "KHR_materials_emissive_strength":{"emissiveStrength":4}},"emissiveFactor":[1,0.5,0.25]}"#,
+        );
+        assert!(m.unlit);
+        assert_eq!(m.ior, 1.25);
+        assert_eq!(m.emissive, Vec3::new(4.0, 2.0, 1.0));
+        let specular = m.specular.expect("read");
+        assert_eq!((specular.factor, specular.color), (0.5, Vec3::ONE));
+        let volume = m.volume.expect("read");
+        assert_eq!(volume.attenuation_distance, f32::INFINITY);
+        assert_eq!(volume.attenuation_color, Vec3::new(0.25, 0.5, 1.0));
+        assert_eq!(m.transmission.map(|t| t.factor), Some(0.75));
+        assert_eq!(
+            m.clearcoat.map(|c| (c.factor, c.normal_scale)),
+            Some((0.0, 1.0))
+        );
+        assert_eq!(m.sheen.map(|s| s.color), Some(Vec3::new(1.0, 0.5, 0.0)));
+    }
+
+    #[test]
+    fn nonsense_in_extensions_has_the_defaults() {
+        let m = material(
+            r#"{"extensions":{"KHR_materials_ior":{"ior":"glass"},"KHR_materials_volume":7,
+            "KHR_materials_sheen":{"sheenColorFactor":[1,2],"sheenColorTexture":{"index":-1}}}}"#,
+        );
+        assert_eq!(m.ior, 1.5);
+        assert_eq!(m.volume, None);
+        assert_eq!(m.sheen.map(|s| s.color), Some(Vec3::ZERO));
+    }
+
+    #[test]
+    fn specular_glossiness_shows_its_diffuse_colour() {
+        let m = material(
+            r#"{"extensions":{"KHR_materials_pbrSpecularGlossiness":
+            {"diffuseFactor":[0.25,0.5,0.75,1],"glossinessFactor":0.25}}}"#,
+        );
+        assert_eq!(m.base_color, Vec4::new(0.25, 0.5, 0.75, 1.0));
+        assert_eq!((m.metallic, m.roughness), (0.0, 0.75));
+    }
+}

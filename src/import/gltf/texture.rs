@@ -1,0 +1,236 @@
+//! Images, textures and the ways a material refers to them.
+
+use std::collections::BTreeSet;
+
+use ::gltf::json::Root;
+use ::gltf::json::texture::{MagFilter, MinFilter, WrappingMode};
+use ::gltf::json::validation::Checked;
+use glam::{Affine2, Mat2, Vec2};
+use rayon::prelude::*;
+use serde_json::{Map, Value};
+
+use super::document::{Document, label};
+use super::extensions::Extension;
+use super::notes::Notes;
+use super::uri::{self, Target};
+use crate::import::images;
+use crate::scene::{Filter, Image, Texture, TextureRef, UvTransform, Wrap};
+
+/// `gltf-json` has this for a texture without source.
+const NO_SOURCE: usize = u32::MAX as usize;
+
+/// A file's textures, as far as they can be used.
+#[derive(Debug, Default)]
+pub(super) struct Textures {
+    /// All images of the file.
+    pub(super) images: Vec<Image>,
+    /// The textures whose image is there.
+    pub(super) textures: Vec<Texture>,
+    /// The place in `textures` of each texture of the file.
+    places: Vec<Option<u32>>,
+}
+
+impl Textures {
+    /// Reads the images of the textures `shown`, and looks whether the others are there.
+    pub(super) fn read(document: &Document, shown: &BTreeSet<usize>, notes: &mut Notes) -> Self {
+        let root = &document.root;
+        let image_of = |texture: usize| {
+            let source = root.textures.get(texture)?.source.value();
+            (source < root.images.len()).then_some(source)
+        };
+        let referred: BTreeSet<usize> = (0..root.textures.len()).filter_map(image_of).collect();
+        let decoded: BTreeSet<usize> = shown.iter().copied().filter_map(image_of).collect();
+        let read: Vec<Result<Image, String>> = (0..root.images.len())
+            .into_par_iter()
+            .map(|i| match (decoded.contains(&i), referred.contains(&i)) {
+                (true, _) => read_image(document, i),
+                (false, true) => find_image(document, i),
+                (false, false) => Ok(empty_image(document, i)),
+            })
+            .collect();
+
+        let mut is_lost = vec![false; read.len()];
+        let mut images = Vec::with_capacity(read.len());
+        for (i, image) in read.into_iter().enumerate() {
+            images.push(image.unwrap_or_else(|cause| {
+                is_lost[i] = true;
+                let element = label("image", i, root.images[i].name.as_ref());
+                notes.add(element, format!("left out of its materials: {cause}"));
+                empty_image(document, i)
+            }));
+        }
+
+        let mut textures = Vec::new();
+        let mut places = Vec::with_capacity(root.textures.len());
+        for (i, texture) in root.textures.iter().enumerate() {
+            let image = image_of(i).filter(|&image| !is_lost[image]);
+            places.push(image.map(|_| textures.len() as u32));
+            if let Some(image) = image {
+                textures.push(sampled(root, texture, image as u32));
+            } else if image_of(i).is_none() {
+                let element = label("texture", i, texture.name.as_ref());
+                let text = match texture.source.value() {
+                    NO_SOURCE => {
+                        "left out of its materials: it has no image of a kind that is read"
+                    }
+                    _ => "left out of its materials: its image is not there",
+                };
+                notes.add(element, text);
+            }
+        }
+        Self {
+            images,
+            textures,
+            places,
+        }
+    }
+
+    /// A use of texture `index` of the file, `None` where it cannot be used. `extensions` are those of the use.
+    pub(super) fn refer(
+        &self,
+        index: usize,
+        uv_set: u32,
+        extensions: Option<&Map<String, Value>>,
+    ) -> Option<TextureRef> {
+        let texture = (*self.places.get(index)?)?;
+        let Some(map) = Extension::find(extensions, "KHR_texture_transform") else {
+            return Some(TextureRef {
+                texture,
+                uv_set,
+                ..TextureRef::default()
+            });
+        };
+        let instead = map.index("texCoord").and_then(|s| u32::try_from(s).ok());
+        Some(TextureRef {
+            texture,
+            uv_set: instead.unwrap_or(uv_set),
+            transform: uv_transform(map),
+        })
+    }
+}
+
+/// KHR_texture_transform: scale, then rotation, then offset.
+///
+/// The extension says "counter-clockwise", on the screen, that is with v downwards; its GLSL fragment turns the other way. The
+/// Khronos model TextureTransformTest decides for the words, as do the common viewers.
+fn uv_transform(map: Extension) -> UvTransform {
+    let angle = f64::from(map.number("rotation").unwrap_or(0.0));
+    let (sin, cos) = (libm::sin(angle) as f32, libm::cos(angle) as f32);
+    let rotation = Mat2::from_cols(Vec2::new(cos, -sin), Vec2::new(sin, cos));
+    let scale = map.numbers("scale").map_or(Vec2::ONE, Vec2::from);
+    let offset = map.numbers("offset").map_or(Vec2::ZERO, Vec2::from);
+    Affine2::from_mat2_translation(rotation * Mat2::from_diagonal(scale), offset)
+}
+
+fn sampled(root: &Root, texture: &::gltf::json::Texture, image: u32) -> Texture {
+    let default = ::gltf::json::texture::Sampler::default();
+    let sampler = texture.sampler.and_then(|s| root.samplers.get(s.value()));
+    let sampler = sampler.unwrap_or(&default);
+    let wrap = |mode| match mode {
+        Checked::Valid(WrappingMode::ClampToEdge) => Wrap::ClampToEdge,
+        Checked::Valid(WrappingMode::MirroredRepeat) => Wrap::MirroredRepeat,
+        Checked::Valid(WrappingMode::Repeat) | Checked::Invalid => Wrap::Repeat,
+    };
+    use MinFilter::{Nearest, NearestMipmapLinear, NearestMipmapNearest};
+    let filter = match (sampler.mag_filter, sampler.min_filter) {
+        (Some(Checked::Valid(MagFilter::Nearest)), _) => Filter::Nearest,
+        (Some(Checked::Valid(MagFilter::Linear)), _) => Filter::Linear,
+        (_, Some(Checked::Valid(Nearest | NearestMipmapLinear | NearestMipmapNearest))) => {
+            Filter::Nearest
+        }
+        _ => Filter::Linear,
+    };
+    Texture {
+        image,
+        wrap_u: wrap(sampler.wrap_s),
+        wrap_v: wrap(sampler.wrap_t),
+        filter,
+    }
+}
+
+fn image_name(document: &Document, index: usize) -> String {
+    let image = &document.root.images[index];
+    let path = image.uri.as_ref().filter(|u| !u.starts_with("data:"));
+    let name = image.name.as_ref().filter(|n| !n.is_empty());
+    match name.or(path) {
+        Some(name) => name.clone(),
+        None => format!("image {index}"),
+    }
+}
+
+fn empty_image(document: &Document, index: usize) -> Image {
+    Image {
+        name: image_name(document, index),
+        ..Image::default()
+    }
+}
+
+fn read_image(document: &Document, index: usize) -> Result<Image, String> {
+    let image = &document.root.images[index];
+    let name = image_name(document, index);
+    let decode = |bytes: &[u8]| {
+        images::decode(&name, bytes).map_err(|cause| format!("cannot be decoded: {cause}"))
+    };
+    match (&image.buffer_view, &image.uri) {
+        (Some(view), _) => decode(document.view(view.value())?.0),
+        (None, Some(uri)) => match uri::resolve(document.file, uri)? {
+            Target::Data(bytes) => decode(&bytes),
+            Target::Files(paths) => decode(&uri::read_first(&paths, u64::MAX)?),
+        },
+        (None, None) => Err("has neither a URI nor a buffer view".to_owned()),
+    }
+}
+
+/// The image without its pixels, if they could be had.
+fn find_image(document: &Document, index: usize) -> Result<Image, String> {
+    let image = &document.root.images[index];
+    match (&image.buffer_view, &image.uri) {
+        (Some(view), _) => document.view(view.value()).map(|_| ())?,
+        (None, Some(uri)) => match uri::resolve(document.file, uri)? {
+            Target::Data(_) => {}
+            Target::Files(paths) => uri::find_first(&paths).map(|_| ())?,
+        },
+        (None, None) => return Err("has neither a URI nor a buffer view".to_owned()),
+    }
+    Ok(empty_image(document, index))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn transform(json: &str) -> UvTransform {
+        let extensions: Map<String, Value> = serde_json::from_str(json).expect("JSON");
+        let map = Extension::find(Some(&extensions), "KHR_texture_transform").expect("there");
+        uv_transform(map)
+    }
+
+    #[test]
+    fn textures_turn_as_in_the_khronos_test() {
+        // TextureTransformTest: the arrow's tip is at (0.778, 0.778) of the image, the markers for a right loader
+        // at those places of the quad (x - 0.5 and 0.5 - y of the nodes "Rotation - Correct" and "All - Correct").
+        let tip = Vec2::splat(0.777_817_5);
+        let rotation = transform(r#"{"KHR_texture_transform":{"rotation":0.39269908169872414}}"#);
+        let marker = Vec2::new(0.5 - 0.079_048_224, 0.5 + 0.516_267_5);
+        assert!((rotation.transform_point2(marker) - tip).length() < 1e-6);
+        let all = transform(
+            r#"{"KHR_texture_transform":{"offset":[-0.2,-0.1],"rotation":0.3,"scale":[1.5,1.5]}}"#,
+        );
+        let marker = Vec2::new(0.5 - 0.07, 0.5 + 0.25);
+        assert!((all.transform_point2(marker) - tip).length() < 0.05);
+    }
+
+    #[test]
+    fn textures_are_scaled_before_they_turn() {
+        let quarter = std::f64::consts::FRAC_PI_2;
+        let map = transform(&format!(
+            r#"{{"KHR_texture_transform":{{"offset":[10,20],"rotation":{quarter},"scale":[2,3]}}}}"#
+        ));
+        let uv = map.transform_point2(Vec2::new(1.0, 1.0));
+        assert!((uv - Vec2::new(13.0, 18.0)).length() < 1e-5, "{uv}");
+        assert_eq!(
+            transform(r#"{"KHR_texture_transform":{}}"#),
+            Affine2::IDENTITY
+        );
+    }
+}
