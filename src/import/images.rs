@@ -13,5 +13,8 @@ pub(super) fn decode(name: &str, bytes: &[u8]) -> Result<Image, String> {
         PictureError::Io { source, .. } => source.to_string(),
         PictureError::Unsupported { cause, .. } | PictureError::Invalid { cause, .. } => cause,
     })?;
-    Ok(Image { name: name.to_owned(), ..image })
+    Ok(Image {
+        name: name.to_owned(),
+        ..image
+    })
 }
