@@ -10,9 +10,10 @@ use glam::{DVec3, Vec3};
 use crate::geometry::tolerance::{BVH_FAR, BVH_PADDING};
 use crate::geometry::{Aabb, Ray};
 
-/// How far before the scene (or the ray's interval) the walk begins, in normalised units. It must only be larger than
-/// obvhs's 1e-4, within which no node is entered.
-const RAY_RUN_UP: f64 = 0.25;
+/// How far before the scene (or the ray's interval) the walk begins, in normalised units: a little more than obvhs's 1e-4,
+/// within which no node is entered. More would take shadow rays through what lies behind their origin: with a quarter
+/// of a unit they tested twice the nodes.
+const RAY_RUN_UP: f64 = 1.0 / 4096.0;
 
 /// Radius of a ball around the scene's cube with all padding: a little above the square root of 3.
 const RADIUS: f64 = 1.75;

@@ -58,7 +58,11 @@ pub fn frame_scene(scene: &Scene, wishes: &CameraWishes, up: Vec3, aspect: f64) 
             };
         }
         (None, focal_point) => {
-            let direction = wishes.direction.unwrap_or_else(|| three_quarter(up));
+            let into = || open_side(scene, up).map(|side| -side);
+            let direction = wishes
+                .direction
+                .or_else(into)
+                .unwrap_or_else(|| three_quarter(up));
             camera.focal_point = focal_point.unwrap_or(center);
             camera.position = camera.focal_point - direction.normalize_or_zero() * radius;
             fit(
@@ -87,6 +91,34 @@ fn three_quarter(up: Vec3) -> Vec3 {
         .unwrap_or(Vec3::X);
     let right = up.cross(front);
     -(front * 0.80 + right * 0.55 + up * 0.45).normalize_or_zero()
+}
+
+/// Share of the whole area that must be missing on one side for a scene to count as open there.
+const OPEN: f64 = 0.08;
+
+/// The horizontal direction, if any, in which the scene is a box without its front: one looks into it from there.
+///
+/// The areas of a closed surface, each times its normal, sum to zero; what is missing to that is the opening. A box whose
+/// faces look inwards misses its front wall, a lone picture its back.
+fn open_side(scene: &Scene, up: Vec3) -> Option<Vec3> {
+    let (mut sum, mut total) = (DVec3::ZERO, 0.0);
+    for (index, instance) in scene.instances.iter().enumerate() {
+        let mesh = scene.mesh_of(index as u32);
+        let flip = if instance.is_mirrored() { -0.5 } else { 0.5 };
+        for corners in &mesh.triangles {
+            let [a, b, c] = corners.map(|v| {
+                instance
+                    .world_from_object
+                    .transform_point3(mesh.positions[v as usize].as_dvec3())
+            });
+            let area = (b - a).cross(c - a) * flip;
+            sum += area;
+            total += area.length();
+        }
+    }
+    let up = up.as_dvec3().normalize_or_zero();
+    let horizontal = sum - up * sum.dot(up);
+    (horizontal.length() > OPEN * total).then(|| horizontal.normalize().as_vec3())
 }
 
 /// Moves the eye so that the scene just fits into the picture, along the view and, unless the focal point is wished for, across it.
@@ -195,6 +227,58 @@ mod tests {
                 );
             }
         }
+    }
+
+    #[test]
+    fn an_open_box_is_looked_into() {
+        // The five inner faces of a box of 1 by 2 by 3 without its face at x = 1; corners counter-clockwise from inside.
+        let corner = |i: u32| {
+            Vec3::new(
+                (i & 1) as f32,
+                (i >> 1 & 1) as f32 * 2.0,
+                (i >> 2) as f32 * 3.0,
+            )
+        };
+        let quads = [
+            [0, 4, 6, 2],
+            [0, 1, 5, 4],
+            [2, 6, 7, 3],
+            [0, 2, 3, 1],
+            [4, 5, 7, 6],
+        ];
+        let triangles: Vec<_> = quads
+            .iter()
+            .flat_map(|&[a, b, c, d]| [[a, b, c], [a, c, d]])
+            .collect();
+        let turned = |triangles: Vec<[u32; 3]>| {
+            let part = Part {
+                first_triangle: 0,
+                triangle_count: triangles.len() as u32,
+                material: 0,
+            };
+            let positions = (0..8).map(corner).collect();
+            let mesh = TriangleMesh {
+                positions,
+                triangles,
+                parts: vec![part],
+                ..TriangleMesh::default()
+            };
+            let instances = vec![Instance::new("", 0, DAffine3::IDENTITY)];
+            Scene {
+                meshes: vec![mesh],
+                instances,
+                ..Scene::default()
+            }
+        };
+        let inside = turned(triangles.iter().map(|&[a, b, c]| [a, c, b]).collect());
+        let side = open_side(&inside, Vec3::Y).expect("open");
+        assert!((side.dot(Vec3::X).abs() - 1.0).abs() < 1e-6, "{side}");
+        assert_eq!(
+            open_side(&turned(triangles), Vec3::Y).map(|s| s.dot(side) < 0.0),
+            Some(true)
+        );
+        let camera = frame_scene(&inside, &CameraWishes::default(), Vec3::Y, 1.0);
+        assert!((camera.position - camera.focal_point).normalize().dot(side) > 0.999);
     }
 
     #[test]

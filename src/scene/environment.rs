@@ -23,9 +23,9 @@ impl Sky {
     pub fn daylight(up: Vec3) -> Self {
         Self {
             up,
-            zenith: Vec3::new(0.32, 0.48, 0.78),
-            horizon: Vec3::new(0.82, 0.88, 0.95),
-            ground: Vec3::new(0.36, 0.34, 0.32),
+            zenith: Vec3::new(0.26, 0.40, 0.68),
+            horizon: Vec3::new(0.70, 0.76, 0.84),
+            ground: Vec3::new(0.34, 0.33, 0.32),
         }
     }
 
@@ -36,8 +36,8 @@ impl Sky {
             // The square root keeps most of the change near the horizon, where skies have it.
             self.horizon.lerp(self.zenith, height.min(1.0).sqrt())
         } else {
-            // A short blend instead of a hard line.
-            self.horizon.lerp(self.ground, (-height * 8.0).min(1.0))
+            // A blend instead of a hard line: far ground is seen through air.
+            self.horizon.lerp(self.ground, (-height * 3.0).min(1.0))
         }
     }
 }
