@@ -5,7 +5,7 @@
 
 use std::ops::Range;
 
-use ::gltf::json::mesh::{Primitive, Semantic};
+use ::gltf::json::mesh::{Mode, Primitive, Semantic};
 use ::gltf::json::validation::Checked;
 use glam::{Vec2, Vec3, Vec4};
 
@@ -137,7 +137,7 @@ impl Reader<'_, '_> {
             // Fits: the count of an accessor has 32 bits.
             None => (0..vertex_count as u32).collect(),
         };
-        if let Some(at) = first_beyond(&indices, vertex_count) {
+        if let Some(at) = primitive::first_beyond(&indices, vertex_count) {
             let cause = format!("index {at} names vertex {} of {vertex_count}", indices[at]);
             return Err(invalid(cause));
         }
@@ -155,12 +155,12 @@ impl Reader<'_, '_> {
             self.notes.add(element, "left out: it has no triangles");
             return Ok(());
         }
-        if mode == ::gltf::json::mesh::Mode::Triangles && indices.len() % 3 != 0 {
+        if mode == Mode::Triangles && indices.len() % 3 != 0 {
             let text = "the one or two indices behind its last triangle are ignored";
             self.notes.add(&element, text);
         }
         let first = self.mesh.triangles.len();
-        self.mesh.triangles.extend(triangles);
+        append(&mut self.mesh.triangles, triangles);
         let run = first..self.mesh.triangles.len();
         if u32::try_from(run.end).is_err() {
             return Err(invalid("the mesh has more than 2^32 triangles".to_owned()));
@@ -241,11 +241,13 @@ impl Reader<'_, '_> {
 
         let positions = open("POSITION", group.attributes.position, 3..=3)?;
         let positions = positions.read(&used, [0.0; 3]);
-        mesh.positions.extend(positions.into_iter().map(Vec3::from));
+        let positions = positions.into_iter().map(Vec3::from).collect();
+        append(&mut mesh.positions, positions);
         if let Some(index) = group.attributes.normal {
             let normals = open("NORMAL", index, 3..=3)?.read(&used, [0.0; 3]);
             mesh.normals.resize(base, Vec3::ZERO);
-            mesh.normals.extend(normals.into_iter().map(unit_or_zero));
+            let normals = normals.into_iter().map(unit_or_zero).collect();
+            append(&mut mesh.normals, normals);
         } else if !mesh.normals.is_empty() {
             mesh.normals.resize(end, Vec3::ZERO);
         }
@@ -254,7 +256,8 @@ impl Reader<'_, '_> {
             let colors = open("COLOR_0", index, 3..=4)?.into_normalized();
             let colors = colors.read(&used, [1.0; 4]);
             mesh.colors.resize(base, Vec4::ONE);
-            mesh.colors.extend(colors.into_iter().map(color_or_white));
+            let colors = colors.into_iter().map(color_or_white).collect();
+            append(&mut mesh.colors, colors);
         } else if !mesh.colors.is_empty() {
             mesh.colors.resize(end, Vec4::ONE);
         }
@@ -265,7 +268,8 @@ impl Reader<'_, '_> {
                 mesh.uv_sets.resize(set + 1, Vec::new());
             }
             mesh.uv_sets[set].resize(base, Vec2::ZERO);
-            mesh.uv_sets[set].extend(uvs.into_iter().map(finite_or_zero));
+            let uvs = uvs.into_iter().map(finite_or_zero).collect();
+            append(&mut mesh.uv_sets[set], uvs);
         }
         for set in mesh.uv_sets.iter_mut().filter(|s| !s.is_empty()) {
             set.resize(end, Vec2::ZERO);
@@ -315,12 +319,13 @@ impl Reader<'_, '_> {
     }
 }
 
-/// The place of the first index that is not below `count`.
-fn first_beyond(indices: &[u32], count: usize) -> Option<usize> {
-    let is_beyond = |&i: &u32| i as usize >= count;
-    // The maximum of a slice is found many at a time, its place is not.
-    let greatest = indices.iter().copied().max()?;
-    is_beyond(&greatest).then(|| indices.iter().position(is_beyond).unwrap_or(0))
+/// Adds `more` at the end; most meshes have one group, of which the vectors are taken as they are.
+fn append<T>(values: &mut Vec<T>, more: Vec<T>) {
+    if values.is_empty() {
+        *values = more;
+    } else {
+        values.extend(more);
+    }
 }
 
 fn unit_or_zero(normal: [f32; 3]) -> Vec3 {
