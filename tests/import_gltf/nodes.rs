@@ -94,7 +94,10 @@ fn graphs_that_are_no_trees_are_refused() {
     let scene = good(|m| {
         push(m, "scenes", json!({}));
     });
-    assert!(has_note(&scene, "1 more are left out"));
+    assert!(has_note(
+        &scene,
+        "only scene 0 is shown; others left out: 1"
+    ));
 }
 
 #[test]
