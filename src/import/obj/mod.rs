@@ -84,14 +84,11 @@ pub(super) fn load(file: &Path, bytes: &[u8]) -> Result<Scene, ImportError> {
             continue;
         }
         let geometry = geometry.next().unwrap_or_default();
-        let (mut mesh, fanned) =
+        let (mut mesh, oddities) =
             mesh::build(object, geometry, color_scale, &mut triangulator, |name| {
                 materials.index_of(name)
             });
-        if fanned > 0 {
-            let text = format!(
-                "{fanned} polygons cross themselves or have no plane; cut as fans from their first corner"
-            );
+        for text in oddities.notes() {
             notes.element(format!("mesh {:?}", mesh.name), text);
         }
         drop_broken_triangles(&mut mesh, file, &mut scene.defects);
