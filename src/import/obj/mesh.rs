@@ -14,7 +14,7 @@ use crate::scene::{Outline, Part, TriangleMesh};
 /// What was odd about the polygons of an object without being a defect.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(super) struct Oddities {
-    /// Polygons that triangles cannot cover: they cross themselves or have no plane.
+    /// Polygons that became fans though those may not cover them.
     pub(super) fanned: u64,
     /// Corners that stand where the one before them does.
     pub(super) repeated_corners: u64,
@@ -24,7 +24,7 @@ impl Oddities {
     /// What is to be said of them.
     pub(super) fn notes(self) -> impl Iterator<Item = String> {
         let fanned = (self.fanned > 0).then(|| {
-            let text = "polygons that cross themselves or have no plane are cut as fans from their first corner";
+            let text = "polygons that cross themselves, have no plane or more than 32,768 corners are cut as fans from their first corner";
             format!("{text}: {}", self.fanned)
         });
         let repeated = (self.repeated_corners > 0).then(|| {

@@ -1,11 +1,12 @@
 //! OBJ with MTL, through the crate `tobj`.
 //!
 //! `text` makes lines of bytes; `prepass` (with `attributes`, `faces`, `objects`, `numbers`, `pieces`) makes of those lines
-//! a text that `tobj` reads without loss; `reader` has `tobj` read it; `mesh` and `triangulate` make meshes of the result.
+//! a text that `tobj` reads without loss; `reader` has `tobj` read it; `mesh`, `triangulate` and `ears` make meshes of the result.
 //! `mtl` does for materials what `prepass` does for geometry, `materials` and `textures` convert them. Each of these says
 //! at its head what it takes for granted where the format is silent.
 
 mod attributes;
+mod ears;
 mod faces;
 mod files;
 mod materials;
