@@ -72,20 +72,18 @@ impl Triangulator {
             return fan(&self.corners, broken, triangles, Outcome::Covered);
         }
         let origin = at(self.corners[0]).as_dvec3();
+        let point = |v: u32| at(v).as_dvec3() - origin;
+        if let [a, b, c, d] = self.corners[..]
+            && let Some(halves) = quad([a, b, c, d].map(point), [a, b, c, d])
+        {
+            triangles.extend(halves);
+            return Outcome::Covered;
+        }
         self.points.clear();
-        self.points.extend(
-            self.corners
-                .iter()
-                .map(|&v| (at(v).as_dvec3() - origin).to_array()),
-        );
+        self.points
+            .extend(self.corners.iter().map(|&v| point(v).to_array()));
         let normal = newell_normal(&self.points);
-        if let [a, b, c, d] = self.corners[..] {
-            let points = [0, 1, 2, 3].map(|i| DVec3::from_array(self.points[i]));
-            if let Some(halves) = quad(points, normal, [a, b, c, d]) {
-                triangles.extend(halves);
-                return Outcome::Covered;
-            }
-        } else if is_fan(&self.points, normal) {
+        if self.corners.len() > 4 && is_fan(&self.points, normal) {
             return fan(&self.corners, 0, triangles, Outcome::Covered);
         }
         let Some(ears) = self.ears.cut(&self.points) else {
@@ -131,7 +129,9 @@ fn fan(corners: &[u32], apex: usize, triangles: &mut Vec<[u32; 3]>, outcome: Out
 
 /// The halves of a quad along the shorter of the diagonals that lie inside; the one from the first corner if they are as
 /// long. `None` if none does.
-fn quad([a, b, c, d]: [DVec3; 4], normal: DVec3, corners: [u32; 4]) -> Option<[[u32; 3]; 2]> {
+fn quad([a, b, c, d]: [DVec3; 4], corners: [u32; 4]) -> Option<[[u32; 3]; 2]> {
+    // The diagonals' product is Newell's sum for four corners.
+    let normal = (c - a).cross(d - b);
     let turns = |p: DVec3, q: DVec3, r: DVec3| (q - p).cross(r - p).dot(normal) > 0.0;
     let along_ac = turns(a, b, c) && turns(a, c, d);
     let along_bd = turns(a, b, d) && turns(b, c, d);
