@@ -1,11 +1,12 @@
 //! OBJ with MTL, through the crate `tobj`.
 //!
 //! `text` makes lines of bytes; `prepass` (with `attributes`, `faces`, `objects`, `numbers`, `pieces`) makes of those lines
-//! a text that `tobj` reads without loss; `reader` has `tobj` read it; `mesh` and `triangulate` make meshes of the result.
+//! a text that `tobj` reads without loss; `reader` has `tobj` read it; `mesh`, `triangulate` and `ears` make meshes of the result.
 //! `mtl` does for materials what `prepass` does for geometry, `materials` and `textures` convert them. Each of these says
 //! at its head what it takes for granted where the format is silent.
 
 mod attributes;
+mod ears;
 mod faces;
 mod files;
 mod materials;
@@ -84,14 +85,11 @@ pub(super) fn load(file: &Path, bytes: &[u8]) -> Result<Scene, ImportError> {
             continue;
         }
         let geometry = geometry.next().unwrap_or_default();
-        let (mut mesh, fanned) =
+        let (mut mesh, oddities) =
             mesh::build(object, geometry, color_scale, &mut triangulator, |name| {
                 materials.index_of(name)
             });
-        if fanned > 0 {
-            let text = format!(
-                "{fanned} polygons cross themselves or have no plane; cut as fans from their first corner"
-            );
+        for text in oddities.notes() {
             notes.element(format!("mesh {:?}", mesh.name), text);
         }
         drop_broken_triangles(&mut mesh, file, &mut scene.defects);
