@@ -147,10 +147,18 @@ const EDITS: &[(&str, &str, &str)] = &[
             r#"{"name":"arm","children":[2]},{"name":"hand","children":[1]}]"#
         ),
     ),
-    ("malformed/empty-mesh.gltf", r#"[{"attributes":{"POSITION":0},"indices":1}]"#, "[]"),
+    (
+        "malformed/empty-mesh.gltf",
+        r#"[{"attributes":{"POSITION":0},"indices":1}]"#,
+        "[]",
+    ),
     // The fifth index becomes 9; there are four vertices.
     ("malformed/index-out-of-range.gltf", "AAECAAID", "AAECAAkD"),
-    ("malformed/missing-buffer.gltf", URI, r#","uri":"missing.bin""#),
+    (
+        "malformed/missing-buffer.gltf",
+        URI,
+        r#","uri":"missing.bin""#,
+    ),
     (
         "malformed/required-extension.gltf",
         "}]}",
@@ -163,11 +171,16 @@ const EDITS: &[(&str, &str, &str)] = &[
 
 /// Every malformed file.
 pub(super) fn files() -> Vec<GeneratedFile> {
-    let texts = TEXTS.iter().map(|&(name, text)| GeneratedFile::new(name, text));
+    let texts = TEXTS
+        .iter()
+        .map(|&(name, text)| GeneratedFile::new(name, text));
     let edits = EDITS.iter().map(|&(name, sound, broken)| {
         // The last occurrence: the end of the file closes as its parts do.
         let at = QUAD.rfind(sound).expect("the piece is in the file");
-        GeneratedFile::new(name, [&QUAD[..at], broken, &QUAD[at + sound.len()..]].concat())
+        GeneratedFile::new(
+            name,
+            [&QUAD[..at], broken, &QUAD[at + sound.len()..]].concat(),
+        )
     });
     let mut truncated = glb();
     truncated.truncate(300);
