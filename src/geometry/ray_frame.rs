@@ -12,7 +12,7 @@
 //! answer is the one that [`exact`] defines, bit for bit, and any other implementation that keeps the error bound
 //! (in lanes, with other instructions) gives the same.
 
-use glam::{Vec3, Vec3Swizzles};
+use glam::{Vec3, Vec3A, Vec3Swizzles};
 
 use super::exact::{self, filter};
 use super::tolerance::edge_function_error;
@@ -70,12 +70,10 @@ pub enum Verdict {
     Doubt,
 }
 
-/// The edge functions of one triangle in the ray's frame, and the bound on their errors. Square units.
+/// The edge functions `U`, `V`, `W` of one triangle in the ray's frame, and the bound on their errors. Square units.
 #[derive(Clone, Copy, Debug)]
 struct EdgeFunctions {
-    u: f32,
-    v: f32,
-    w: f32,
+    values: Vec3A,
     error: f32,
 }
 
@@ -136,43 +134,41 @@ impl RayFrame {
     /// of other implementations of this stage.
     #[inline]
     pub fn verdict(&self, triangle: &Triangle) -> Verdict {
-        let corners = *triangle.corners();
-        let e = match self.axis {
-            Axis::X => self.edge_functions(corners.map(|p| p.yzx())),
-            Axis::Y => self.edge_functions(corners.map(|p| p.zxy())),
-            Axis::Z => self.edge_functions(corners),
+        let [a, b, c] = triangle.corners();
+        let x = Vec3A::new(a.x, b.x, c.x);
+        let y = Vec3A::new(a.y, b.y, c.y);
+        let z = Vec3A::new(a.z, b.z, c.z);
+        let EdgeFunctions { values, error } = match self.axis {
+            Axis::X => self.edge_functions(y, z, x),
+            Axis::Y => self.edge_functions(z, x, y),
+            Axis::Z => self.edge_functions(x, y, z),
             Axis::Never => return Verdict::Misses,
         };
-        // No comparison holds for a NaN, and none for a function that is infinite together with its bound. `|` and `&`
-        // because the second comparison is cheaper than a branch.
-        let positive = [e.u > e.error, e.v > e.error, e.w > e.error];
-        let negative = [e.u < -e.error, e.v < -e.error, e.w < -e.error];
-        if any(positive) & any(negative) {
+        // No comparison holds for a NaN, and none for a function that is infinite together with its bound.
+        let positive = values.cmpgt(Vec3A::splat(error));
+        let negative = values.cmplt(Vec3A::splat(-error));
+        if positive.any() && negative.any() {
             Verdict::Misses
-        } else if all(positive) | all(negative) {
+        } else if positive.all() || negative.all() {
             Verdict::Meets
         } else {
             Verdict::Doubt
         }
     }
 
-    /// The edge functions of a triangle whose corners are in the frame's order, without fused multiply-add.
+    /// The edge functions of the triangle whose corners have these coordinates along the frame's axes: a lane for each
+    /// corner. No multiply-add is fused.
     #[inline]
-    fn edge_functions(&self, corners: [Vec3; 3]) -> EdgeFunctions {
-        let [a, b, c] = corners.map(|p| {
-            let p = p - self.origin;
-            Vec3::new(p.x - self.shear[0] * p.z, p.y - self.shear[1] * p.z, p.z)
-        });
-        let depth = greatest(a.z.abs(), b.z.abs(), c.z.abs());
-        let lateral = greatest(
-            a.x.abs() + a.y.abs(),
-            b.x.abs() + b.y.abs(),
-            c.x.abs() + c.y.abs(),
-        );
+    fn edge_functions(&self, x: Vec3A, y: Vec3A, z: Vec3A) -> EdgeFunctions {
+        let z = z - Vec3A::splat(self.origin.z);
+        let x = (x - Vec3A::splat(self.origin.x)) - self.shear[0] * z;
+        let y = (y - Vec3A::splat(self.origin.y)) - self.shear[1] * z;
+        // The maxima may lose a NaN. It does not matter: a NaN coordinate makes two of the three functions NaN.
+        let depth = z.abs().max_element();
+        let lateral = (x.abs() + y.abs()).max_element();
         EdgeFunctions {
-            u: c.x * b.y - c.y * b.x,
-            v: a.x * c.y - a.y * c.x,
-            w: b.x * a.y - b.y * a.x,
+            // U = Xc Yb - Yc Xb, V = Xa Yc - Ya Xc, W = Xb Ya - Yb Xa.
+            values: x.zxy() * y.yzx() - y.zxy() * x.yzx(),
             error: edge_function_error(depth, lateral),
         }
     }
@@ -214,24 +210,6 @@ impl RayFrame {
     fn exact_depth(&self, triangle: &Triangle) -> Option<f32> {
         exact::depth_of_plane(&self.ray, triangle).map(|depth| depth.to_f32())
     }
-}
-
-#[inline]
-fn any(facts: [bool; 3]) -> bool {
-    facts[0] | facts[1] | facts[2]
-}
-
-#[inline]
-fn all(facts: [bool; 3]) -> bool {
-    facts[0] & facts[1] & facts[2]
-}
-
-/// The greatest of three. `f32::max` would cost twice as much for its promise about NaN, which is not needed: a NaN
-/// coordinate makes two of the three edge functions NaN.
-#[inline]
-fn greatest(a: f32, b: f32, c: f32) -> f32 {
-    let ab = if a > b { a } else { b };
-    if ab > c { ab } else { c }
 }
 
 #[cfg(test)]
@@ -298,11 +276,13 @@ mod tests {
         fn edge_functions_keep_their_error_bound(ray in ray(), triangle in triangle()) {
             let frame = RayFrame::new(&ray);
             prop_assume!(!matches!(frame.axis, Axis::Never));
-            let found = frame.edge_functions(triangle.corners().map(|p| frame.axis.order(p)));
+            let [a, b, c] = triangle.corners().map(|p| frame.axis.order(p));
+            let lanes = |i: usize| Vec3A::new(a[i], b[i], c[i]);
+            let found = frame.edge_functions(lanes(0), lanes(1), lanes(2));
             let truth = exact_edge_functions(&frame, &triangle);
             if found.error.is_finite() {
                 let bound = Relaxed::try_from(found.error).unwrap();
-                for (x, truth) in [found.u, found.v, found.w].into_iter().zip(truth) {
+                for (x, truth) in found.values.to_array().into_iter().zip(truth) {
                     if x.is_finite() {
                         let error = Relaxed::try_from(x).unwrap() - truth;
                         prop_assert!(error <= bound && -error <= bound, "{found:?}");
