@@ -53,10 +53,10 @@ pub const COORDINATE_LIMIT: f32 = 1e18;
 /// Error of a sheared coordinate in units of the greatest depth `M`: 4u by step 1 above, and u to spare.
 ///
 /// Smaller than 4u and hits are decided wrongly; larger and more triangles go to the slower `f64` stage.
-const SHEAR_ERROR: f32 = 5.0 * U32;
+pub const SHEAR_ERROR: f32 = 5.0 * U32;
 
 /// Error of an edge function in units of `s^2`: 6u by steps 2 and 3 above, and u to spare.
-const PRODUCT_ERROR: f32 = 7.0 * U32;
+pub const PRODUCT_ERROR: f32 = 7.0 * U32;
 
 /// Largest error of the three edge functions of one triangle in single precision, by the derivation above.
 ///

@@ -4,8 +4,6 @@
 //! of the absolute values of a determinant's terms (the permanent) times a small constant bounds its error. The
 //! constants and their derivations are in [`tolerance`](crate::geometry::tolerance). Doubt includes every NaN.
 //!
-//! Costs some ten nanoseconds a question, against one or two microseconds for an answer in integers.
-//!
 //! ```
 //! use bspray::geometry::{Ray, exact::{Sign, filter}};
 //! use glam::Vec3;
