@@ -190,30 +190,21 @@ impl RayFrame {
     #[cold]
     #[inline(never)]
     fn settle(&self, triangle: &Triangle) -> Option<f32> {
-        if exact::meets(&self.ray, triangle) {
-            self.depth(triangle)
-        } else {
-            None
-        }
+        exact::meets(&self.ray, triangle).then_some(())?;
+        self.depth(triangle)
     }
 
     /// The correctly rounded `t` of a line that meets the triangle, if it lies in the interval.
     #[inline]
     fn depth(&self, triangle: &Triangle) -> Option<f32> {
         let interval = self.ray.interval;
-        let t = match filter::depth(&self.ray, triangle) {
-            Some((low, high)) => {
-                let (low, high) = (low as f32, high as f32);
-                // Adding +0 turns -0 into +0.
-                if low.to_bits() == high.to_bits() {
-                    low + 0.0
-                } else if high < interval.min || low > interval.max {
-                    return None;
-                } else {
-                    self.exact_depth(triangle)?
-                }
-            }
-            None => self.exact_depth(triangle)?,
+        let bounds = filter::depth(&self.ray, triangle);
+        let t = match bounds.map(|(low, high)| (low as f32, high as f32)) {
+            // Adding +0 turns -0 into +0.
+            Some((low, high)) if low.to_bits() == high.to_bits() => low + 0.0,
+            // Beside the interval wherever it is.
+            Some((low, high)) if high < interval.min || low > interval.max => return None,
+            _ => self.exact_depth(triangle)?,
         };
         (t.is_finite() && interval.contains(t)).then_some(t)
     }
@@ -264,16 +255,24 @@ mod tests {
         (vector(), vector(), interval).prop_map(|(origin, d, i)| Ray::new(origin, d).within(i))
     }
 
-    /// Small triangles far away, seen through or beside their middle: here the shear's error is all there is.
+    /// Small triangles far away, seen through or beside their middle, where the shear's error is all there is; and, if
+    /// flattened along z, triangles all around the ray's origin, where that of the products is.
     fn aimed() -> impl Strategy<Value = (Ray, Triangle)> {
         let real = prop::array::uniform3(-1.0..1.0f32);
         let size = prop::sample::select(vec![1.0f32, 1e-2, 1e-4, 1e-6]);
         let scale = prop::sample::select(vec![1.0f32, 1e-12, 1e-19, 1e-21, 1e17]);
-        (prop::array::uniform6(real), size, scale).prop_map(|(v, size, scale)| {
+        let flat = prop::sample::select(vec![1.0f32, 1e-4]);
+        (prop::array::uniform6(real), size, scale, flat).prop_map(|(v, size, scale, flat)| {
             let [origin, middle, a, b, c, d] = v.map(Vec3::from_array);
-            let [a, b, c] = [a, b, c].map(|p| (middle + p * size) * scale);
-            let direction = (middle + d * size * 0.3) - origin;
-            (Ray::new(origin * scale, direction), Triangle::new(a, b, c))
+            let points = [
+                origin,
+                middle + a * size,
+                middle + b * size,
+                middle + c * size,
+            ];
+            let [o, a, b, c] = points.map(|p| p * scale * Vec3::new(1.0, 1.0, flat));
+            let direction = (middle + d * size * 0.3 - origin) * Vec3::new(flat, flat, 1.0);
+            (Ray::new(o, direction), Triangle::new(a, b, c))
         })
     }
 

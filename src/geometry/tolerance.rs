@@ -85,18 +85,14 @@ pub const NORMAL_FILTER: f64 = 5.0 * U64;
 
 /// Error of `((b - a) x (c - a)) . (a - o)` in `f64`, in units of its permanent.
 ///
-/// Eight roundings a term: four for the normal, the difference `a - o`, a product, two sums. The surplus over 9 pays
-/// for the roundings of the quotient's radius, see [`QUOTIENT_ERROR`].
+/// Eight roundings a term: four for the normal, the difference `a - o`, a product, two sums. The surplus of 2, and that
+/// of [`DENOMINATOR_FILTER`], are worth at least `4v |t|` in the radius around the quotient `t`. They pay for one
+/// rounding each of the quotient and of the interval's end, `2v |t|`; and a fifth of the radius pays for its own.
 pub const NUMERATOR_FILTER: f64 = 10.0 * U64;
 
-/// Error of `((b - a) x (c - a)) . d` in `f64`, in units of its permanent: seven roundings a term, and see
-/// [`NUMERATOR_FILTER`] for the surplus.
+/// Error of `((b - a) x (c - a)) . d` in `f64`, in units of its permanent: seven roundings a term, and a surplus of 2,
+/// see [`NUMERATOR_FILTER`].
 pub const DENOMINATOR_FILTER: f64 = 9.0 * U64;
-
-/// Error of a quotient's own rounding and of the ends of the interval around it, in units of the quotient.
-///
-/// One rounding each for the quotient and the end; the other two are to spare.
-pub const QUOTIENT_ERROR: f64 = 4.0 * U64;
 
 /// Least share of its permanent that the largest component of a triangle's normal must reach for `f64` to be trusted
 /// with its direction; below, it is computed in integers.
@@ -104,3 +100,16 @@ pub const QUOTIENT_ERROR: f64 = 4.0 * U64;
 /// The normal's error is at most `sqrt(3) * NORMAL_FILTER` times the largest permanent, so that at this share (2^-25)
 /// the direction is wrong by less than 8.7 * 2^-53 / 2^-25 < 2^-24, half an ulp of 1 in `f32`.
 pub const NORMAL_TRUST: f64 = 1.0 / (1u32 << 25) as f64;
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_edge_function_that_can_overflow_is_never_certain() {
+        // 1.9e19 squared exceeds f32::MAX, and so may a product of two coordinates of that size.
+        assert!(edge_function_error(0.0, 1.9e19).is_infinite());
+        assert!(edge_function_error(0.0, 1.8e19).is_finite());
+        assert!(edge_function_error(f32::INFINITY, 0.0).is_infinite());
+    }
+}

@@ -18,7 +18,7 @@ use glam::{DVec3, Vec3};
 
 use super::Sign;
 use crate::geometry::tolerance::{
-    DENOMINATOR_FILTER, EDGE_FILTER, NORMAL_FILTER, NUMERATOR_FILTER, QUOTIENT_ERROR,
+    DENOMINATOR_FILTER, EDGE_FILTER, NORMAL_FILTER, NUMERATOR_FILTER,
 };
 use crate::geometry::{Ray, Triangle};
 
@@ -80,8 +80,7 @@ pub fn depth(ray: &Ray, triangle: &Triangle) -> Option<(f64, f64)> {
     let least_denominator = denominator.abs() - denominator_error;
     if least_denominator > 0.0 {
         let t = numerator / denominator;
-        let radius = (numerator_error + t.abs() * denominator_error) / least_denominator
-            + QUOTIENT_ERROR * t.abs();
+        let radius = (numerator_error + t.abs() * denominator_error) / least_denominator;
         Some((t - radius, t + radius))
     } else {
         None
