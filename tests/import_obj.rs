@@ -457,6 +457,7 @@ fn malformed_models_do_what_their_first_line_says() {
         ("huge-coordinate", DefectCause::TooLarge),
         ("malformed-number", DefectCause::NotFinite),
         ("repeated-corner", DefectCause::TooFewCorners),
+        ("degenerate-triangle", DefectCause::Degenerate),
     ] {
         let scene = load_model(&format!("malformed/{name}.obj")).unwrap();
         assert_eq!(
