@@ -22,7 +22,7 @@ pub struct FilterSampler {
 const BLACKMAN_HARRIS_RADIUS: f64 = 1.5;
 
 /// Entries of the inverse of the window's distribution; between them it is straight.
-const TABLE: usize = 257;
+const TABLE: usize = 2049;
 
 impl PixelFilter {
     /// Prepares the filter.
