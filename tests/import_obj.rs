@@ -326,7 +326,7 @@ fn objects_are_meshes_and_groups_are_parts_of_them() {
 #[test]
 fn vertex_colours_become_linear_and_complete() {
     // tobj fails when only some vertices have one.
-    let scene = load("v 0 0 0 1 0 0\nv 4 2 0 2\nv 2 1 0 0.5 1 0\nf 1 2 3\n").unwrap();
+    let scene = load("v 0 0 0 1 0 0\nv 4 2 0 2\nv 2 0 0 0.5 1 0\nf 1 2 3\n").unwrap();
     let mesh = &scene.meshes[0];
     assert_eq!(mesh.positions[1], Vec3::new(2.0, 1.0, 0.0));
     assert_eq!(mesh.colors[..2], [Vec4::new(1.0, 0.0, 0.0, 1.0), Vec4::ONE]);
