@@ -36,8 +36,8 @@ pub(super) struct RenderArgs {
     #[arg(long, value_name = "N", default_value_t = 0)]
     seed: u32,
     /// Threads that render; 0 for one a core
-    #[arg(long, value_name = "N", default_value_t = 0)]
-    threads: usize,
+    #[arg(long, value_name = "N", default_value_t = 0, value_parser = clap::value_parser!(u16).range(..=1024))]
+    threads: u16,
     /// The structure that finds what rays hit
     #[arg(long, value_name = "KIND", default_value_t = AcceleratorKind::default(), value_parser = values::accelerator,
         long_help = accelerator_help())]
@@ -156,7 +156,7 @@ pub(super) fn run(args: &RenderArgs) -> anyhow::Result<Done> {
     }
 
     let pool = rayon::ThreadPoolBuilder::new()
-        .num_threads(args.threads)
+        .num_threads(usize::from(args.threads))
         .build()
         .context("cannot start threads")?;
     let started = Instant::now();
