@@ -1,9 +1,9 @@
 //! The cost of everything around tracing: scaling over threads, the tile loop with camera, sampler and film, and import.
 //!
-//! `cargo bench --bench spine [-- MODELS]`, where MODELS is a folder with `obj/bunny.obj` and `gltf/chess-board.glb`; without one, the
-//! package's own models serve. Ratios come from one run, their sides taken in turns; the median and the spread (quartiles) are
+//! `cargo bench --bench spine [-- MODEL]`; without a model, `models/lecture-objects.gltf` serves. Ratios come from one run, their sides taken in turns; the median and the spread (quartiles) are
 //! printed as a Markdown table. Every render is checked against the number of rays it must send before it is timed.
 
+use std::fmt::Write;
 use std::hint::black_box;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
@@ -15,7 +15,7 @@ use bspray::render::{
     CameraWishes, Film, Integrator, PixelFilter, PixelRect, RenderOptions, SkyMode, Stage,
     frame_scene, render,
 };
-use bspray::scene::Scene;
+use bspray::scene::{Scene, TriangleMesh};
 use glam::Vec3;
 
 const SIZE: (u32, u32) = (320, 240);
@@ -44,9 +44,8 @@ fn main() {
         ),
     };
     println!("| measured | median | quartiles |\n|---|---:|---:|");
-    rendering(if folder.is_some() { &obj } else { &glb });
-    import(&obj, 100.0);
-    import(&glb, 150.0);
+    rendering(&model);
+    import(&model);
 }
 
 /// Scaling over two threads, and what is not tracing.
@@ -107,27 +106,109 @@ fn rendering(model: &Path) {
     );
 }
 
-/// Import speed of a file repeated in memory order, as a share of the goal in MB/s on one core.
-fn import(model: &Path, goal: f64) {
-    let size = std::fs::metadata(model).expect("the model is there").len() as f64 / 1e6;
-    let one = rayon::ThreadPoolBuilder::new()
-        .num_threads(1)
-        .build()
-        .expect("threads start");
-    let speeds = rounds(|| {
-        size / seconds(|| {
-            black_box(
-                one.install(|| bspray::import::load(&[model.to_owned()]))
-                    .expect("the model loads"),
-            );
-        })
-    });
+/// Import speed of the model's triangles, so many times over that the file is some tens of megabytes, in MB/s on one core.
+fn import(model: &Path) {
+    let scene = bspray::import::load(&[model.to_owned()]).expect("the model loads");
+    let mesh = &scene.meshes[0];
     let name = model
-        .file_name()
+        .file_stem()
         .unwrap_or_default()
         .to_string_lossy()
         .into_owned();
-    row(&format!("{name}: import, MB/s (goal {goal})"), speeds);
+    let copies = 1_000_000_usize.div_ceil(mesh.triangles.len());
+    let folder = tempfile::tempdir().expect("a folder for the files");
+    for (file, bytes, goal) in [
+        ("a.obj", obj(mesh, copies), 100),
+        ("a.glb", glb(mesh, copies), 150),
+    ] {
+        let path = folder.path().join(file);
+        let size = bytes.len() as f64 / 1e6;
+        std::fs::write(&path, bytes).expect("the file is written");
+        let one = rayon::ThreadPoolBuilder::new()
+            .num_threads(1)
+            .build()
+            .expect("threads start");
+        let load = || {
+            one.install(|| bspray::import::load(std::slice::from_ref(&path)))
+                .expect("the copy loads")
+        };
+        assert_eq!(
+            load().placed_triangles(),
+            (mesh.triangles.len() * copies) as u64
+        );
+        let speeds = rounds(|| {
+            size / seconds(|| {
+                black_box(load());
+            })
+        });
+        row(
+            &format!("{name} x {copies} as {file}, {size:.0} MB: import, MB/s (goal {goal})"),
+            speeds,
+        );
+    }
+}
+
+fn obj(mesh: &TriangleMesh, copies: usize) -> Vec<u8> {
+    let mut text = String::new();
+    for copy in 0..copies {
+        for p in &mesh.positions {
+            let _ = writeln!(text, "v {} {} {}", p.x, p.y, p.z);
+        }
+        let first = copy * mesh.positions.len() + 1;
+        for t in &mesh.triangles {
+            let [a, b, c] = t.map(|v| v as usize + first);
+            let _ = writeln!(text, "f {a} {b} {c}");
+        }
+    }
+    text.into_bytes()
+}
+
+fn glb(mesh: &TriangleMesh, copies: usize) -> Vec<u8> {
+    let (vertices, triangles) = (mesh.positions.len() * copies, mesh.triangles.len() * copies);
+    let positions = mesh
+        .positions
+        .iter()
+        .flat_map(|p| p.to_array())
+        .flat_map(f32::to_le_bytes)
+        .collect::<Vec<_>>();
+    let mut data = positions.repeat(copies);
+    for copy in 0..copies {
+        let first = (copy * mesh.positions.len()) as u32;
+        data.extend(
+            mesh.triangles
+                .iter()
+                .flatten()
+                .flat_map(|v| (v + first).to_le_bytes()),
+        );
+    }
+    let json = serde_json::json!({
+        "asset": { "version": "2.0" },
+        "scene": 0,
+        "scenes": [{ "nodes": [0] }],
+        "nodes": [{ "mesh": 0 }],
+        "meshes": [{ "primitives": [{ "attributes": { "POSITION": 0 }, "indices": 1 }] }],
+        "accessors": [
+            { "bufferView": 0, "componentType": 5126, "count": vertices, "type": "VEC3" },
+            { "bufferView": 1, "componentType": 5125, "count": triangles * 3, "type": "SCALAR" },
+        ],
+        "bufferViews": [
+            { "buffer": 0, "byteLength": vertices * 12 },
+            { "buffer": 0, "byteOffset": vertices * 12, "byteLength": triangles * 12 },
+        ],
+        "buffers": [{ "byteLength": data.len() }],
+    });
+    let json = json.to_string();
+    let length = json.len().next_multiple_of(4);
+    let mut glb = b"glTF".to_vec();
+    for word in [2, (12 + 8 + length + 8 + data.len()) as u32, length as u32] {
+        glb.extend(word.to_le_bytes());
+    }
+    glb.extend(b"JSON");
+    glb.extend(format!("{json:length$}").bytes());
+    glb.extend((data.len() as u32).to_le_bytes());
+    glb.extend(b"BIN\0");
+    glb.extend(data);
+    glb
 }
 
 fn picture(stage: &Stage, integrator: Integrator) -> Film {
