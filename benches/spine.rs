@@ -28,21 +28,9 @@ fn main() {
         println!("run with `cargo bench --bench spine`");
         return;
     }
-    let own = Path::new(env!("CARGO_MANIFEST_DIR")).join("models");
-    let folder = std::env::args()
-        .skip(1)
-        .find(|a| !a.starts_with("--"))
-        .map(PathBuf::from);
-    let (obj, glb) = match &folder {
-        Some(folder) => (
-            folder.join("obj/bunny.obj"),
-            folder.join("gltf/chess-board.glb"),
-        ),
-        None => (
-            own.join("lecture-block.obj"),
-            own.join("lecture-objects.gltf"),
-        ),
-    };
+    let own = || Path::new(env!("CARGO_MANIFEST_DIR")).join("models/lecture-objects.gltf");
+    let named = std::env::args().skip(1).find(|a| !a.starts_with("--"));
+    let model = named.map_or_else(own, PathBuf::from);
     println!("| measured | median | quartiles |\n|---|---:|---:|");
     rendering(&model);
     import(&model);
