@@ -3,6 +3,8 @@
 //! `cargo bench --bench spine [-- MODEL]`; without a model, `models/lecture-objects.gltf` serves. Ratios come from one run, their sides taken in turns; the median and the spread (quartiles) are
 //! printed as a Markdown table. Every render is checked against the number of rays it must send before it is timed.
 
+#![allow(clippy::print_stdout, reason = "the table is what it is for")]
+
 use std::fmt::Write;
 use std::hint::black_box;
 use std::path::{Path, PathBuf};

@@ -101,19 +101,6 @@ pub const DENOMINATOR_FILTER: f64 = 9.0 * U64;
 /// the direction is wrong by less than 8.7 * 2^-53 / 2^-25 < 2^-24, half an ulp of 1 in `f32`.
 pub const NORMAL_TRUST: f64 = 1.0 / (1u32 << 25) as f64;
 
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn an_edge_function_that_can_overflow_is_never_certain() {
-        // 1.9e19 squared exceeds f32::MAX, and so may a product of two coordinates of that size.
-        assert!(edge_function_error(0.0, 1.9e19).is_infinite());
-        assert!(edge_function_error(0.0, 1.8e19).is_finite());
-        assert!(edge_function_error(f32::INFINITY, 0.0).is_infinite());
-    }
-}
-
 /// Largest relative difference between the area of a polygon and that of its triangles which counts as rounding.
 ///
 /// Both are sums of n products of differences in `f64`, so that rounding stays below about 4 n * 2^-53 of the polygon's
@@ -170,4 +157,17 @@ pub fn surface_offset_factors(world_from_object: glam::DMat3, object_radius: f32
         .sqrt();
     let radius = 1.7321 * f64::from(object_radius);
     (8.0 * U32, instance_margin(norm, 1.0, radius, radius) as f32)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_edge_function_that_can_overflow_is_never_certain() {
+        // 1.9e19 squared exceeds f32::MAX, and so may a product of two coordinates of that size.
+        assert!(edge_function_error(0.0, 1.9e19).is_infinite());
+        assert!(edge_function_error(0.0, 1.8e19).is_finite());
+        assert!(edge_function_error(f32::INFINITY, 0.0).is_infinite());
+    }
 }
