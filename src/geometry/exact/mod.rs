@@ -21,7 +21,7 @@
 //!
 //! # Filtered and unfiltered
 //!
-//! [`edge_signs`], [`depth`], [`intersect`] and [`hits`] are the judge: integers only (`dashu-int`), which costs
+//! [`edge_signs`], [`depth()`], [`intersect`] and [`hits`] are the judge: integers only (`dashu-int`), which costs
 //! microseconds where floating point costs nanoseconds. [`filter`] asks in double precision first; [`meets`] and
 //! [`RayFrame`](crate::geometry::RayFrame) combine both and are as right, which tests check.
 //!
