@@ -11,7 +11,8 @@
 //! let [a, b] = [Vec3::new(1.0, 0.0, 5.0), Vec3::new(0.0, 1.0, 5.0)];
 //! assert_eq!(filter::edge_sign(&ray, a, b), Some(Sign::Positive));
 //! // The ray passes through the edge: double precision alone does not decide.
-//! assert_eq!(filter::edge_sign(&ray, a, -a), None);
+//! let [p, q] = [Vec3::new(1.0, 1.0, 5.0), Vec3::new(-1.0, -1.0, 5.0)];
+//! assert_eq!(filter::edge_sign(&ray, p, q), None);
 //! ```
 
 use glam::{DVec3, Vec3};
