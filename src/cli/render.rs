@@ -150,7 +150,7 @@ pub(super) fn run(args: &RenderArgs) -> anyhow::Result<Done> {
     let frame = camera
         .frame(args.resolution.0, args.resolution.1)
         .context("the camera is impossible")?;
-    let camera_flags = camera_args::as_flags(&camera, args.camera.up());
+    let camera_flags = camera_args::as_flags(&camera, &scene, args.camera.up());
     if !args.quiet {
         output::message(&format!("camera: {camera_flags}"));
     }
