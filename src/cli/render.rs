@@ -36,7 +36,7 @@ pub(super) struct RenderArgs {
     #[arg(long, value_name = "N", default_value_t = 0)]
     seed: u32,
     /// Threads that render; 0 for one a core
-    #[arg(long, value_name = "N", default_value_t = 0)]
+    #[arg(long, value_name = "N", default_value_t = 0, value_parser = values::threads)]
     threads: usize,
     /// The structure that finds what rays hit
     #[arg(long, value_name = "KIND", default_value_t = AcceleratorKind::default(), value_parser = values::accelerator,
@@ -76,6 +76,7 @@ pub(super) struct RenderArgs {
         long,
         value_name = "STOPS",
         default_value_t = 0.0,
+        value_parser = values::finite,
         allow_hyphen_values = true,
         help_heading = "Display"
     )]
