@@ -1,6 +1,6 @@
 //! `bspray render`: models in, pictures and measurements out.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::time::Instant;
 
 use anyhow::{Context, bail};
@@ -241,8 +241,13 @@ fn outputs(args: &RenderArgs) -> anyhow::Result<Vec<(PathBuf, OutputKind)>> {
         return Ok(Vec::new());
     }
     let paths = if args.output.is_empty() {
-        let stem = args.models[0].file_stem().unwrap_or("picture".as_ref());
-        vec![Path::new(stem).with_extension("png")]
+        // Not `with_extension`, which would take "v2" from "scan.v2".
+        let mut name = args.models[0]
+            .file_stem()
+            .unwrap_or("picture".as_ref())
+            .to_owned();
+        name.push(".png");
+        vec![PathBuf::from(name)]
     } else {
         args.output.clone()
     };
@@ -261,6 +266,9 @@ fn outputs(args: &RenderArgs) -> anyhow::Result<Vec<(PathBuf, OutputKind)>> {
                 path.display(),
                 folder.display()
             );
+        }
+        if path.is_dir() {
+            bail!("{}: is a directory", path.display());
         }
         outputs.push((
             path,
