@@ -109,7 +109,7 @@ fn named_camera<'a>(scene: &'a Scene, wanted: &str) -> anyhow::Result<&'a Camera
 }
 
 /// The camera as arguments that can be pasted to get the same picture.
-pub(super) fn as_flags(camera: &Camera, up: Vec3) -> String {
+pub(super) fn as_flags(camera: &Camera, scene: &Scene, up: Vec3) -> String {
     let comma = |v: Vec3| format!("{},{},{}", v.x, v.y, v.z);
     let mut flags = match camera.projection {
         Projection::Perspective { view_angle } => format!(
@@ -118,8 +118,11 @@ pub(super) fn as_flags(camera: &Camera, up: Vec3) -> String {
             comma(camera.focal_point),
             comma(camera.view_up),
         ),
-        // Only files have such cameras.
-        Projection::Orthographic { .. } => format!("--camera-index {:?}", camera.name),
+        // Only files have such cameras. By number: names may be shared, or need quotes.
+        Projection::Orthographic { .. } => {
+            let index = scene.cameras.iter().position(|c| c == camera);
+            format!("--camera-index {}", index.unwrap_or(0))
+        }
     };
     let axes = ["+X", "-X", "+Y", "-Y", "+Z", "-Z"];
     if let Some(axis) = axes
@@ -145,7 +148,7 @@ mod tests {
             view_up: Vec3::Y,
             projection: Projection::Perspective { view_angle: 30.0 },
         };
-        let flags = as_flags(&camera, Vec3::Z);
+        let flags = as_flags(&camera, &Scene::default(), Vec3::Z);
         let value = |name: &str| {
             flags
                 .split(name)

@@ -26,7 +26,14 @@ pub(super) fn message(text: &str) {
     let _ = writeln!(std::io::stderr().lock(), "{text}");
 }
 
-/// Writes an error as one line to standard error.
+/// Writes an error with its causes as one line to standard error. A cause that the words before it end with already is not
+/// said again: errors of files cite the system's.
 pub(super) fn error(error: &anyhow::Error) {
-    message(&format!("error: {error:#}"));
+    let mut line = error.to_string();
+    for cause in error.chain().skip(1).map(ToString::to_string) {
+        if !line.ends_with(&cause) {
+            line = format!("{line}: {cause}");
+        }
+    }
+    message(&format!("error: {line}"));
 }

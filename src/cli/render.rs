@@ -1,6 +1,6 @@
 //! `bspray render`: models in, pictures and measurements out.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::time::Instant;
 
 use anyhow::{Context, bail};
@@ -36,8 +36,8 @@ pub(super) struct RenderArgs {
     #[arg(long, value_name = "N", default_value_t = 0)]
     seed: u32,
     /// Threads that render; 0 for one a core
-    #[arg(long, value_name = "N", default_value_t = 0, value_parser = clap::value_parser!(u16).range(..=1024))]
-    threads: u16,
+    #[arg(long, value_name = "N", default_value_t = 0, value_parser = values::threads)]
+    threads: usize,
     /// The structure that finds what rays hit
     #[arg(long, value_name = "KIND", default_value_t = AcceleratorKind::default(), value_parser = values::accelerator,
         long_help = accelerator_help())]
@@ -76,6 +76,7 @@ pub(super) struct RenderArgs {
         long,
         value_name = "STOPS",
         default_value_t = 0.0,
+        value_parser = values::finite,
         allow_hyphen_values = true,
         help_heading = "Display"
     )]
@@ -150,13 +151,13 @@ pub(super) fn run(args: &RenderArgs) -> anyhow::Result<Done> {
     let frame = camera
         .frame(args.resolution.0, args.resolution.1)
         .context("the camera is impossible")?;
-    let camera_flags = camera_args::as_flags(&camera, args.camera.up());
+    let camera_flags = camera_args::as_flags(&camera, &scene, args.camera.up());
     if !args.quiet {
         output::message(&format!("camera: {camera_flags}"));
     }
 
     let pool = rayon::ThreadPoolBuilder::new()
-        .num_threads(usize::from(args.threads))
+        .num_threads(args.threads)
         .build()
         .context("cannot start threads")?;
     let started = Instant::now();
@@ -240,8 +241,13 @@ fn outputs(args: &RenderArgs) -> anyhow::Result<Vec<(PathBuf, OutputKind)>> {
         return Ok(Vec::new());
     }
     let paths = if args.output.is_empty() {
-        let stem = args.models[0].file_stem().unwrap_or("picture".as_ref());
-        vec![Path::new(stem).with_extension("png")]
+        // Not `with_extension`, which would take "v2" from "scan.v2".
+        let mut name = args.models[0]
+            .file_stem()
+            .unwrap_or("picture".as_ref())
+            .to_owned();
+        name.push(".png");
+        vec![PathBuf::from(name)]
     } else {
         args.output.clone()
     };
@@ -260,6 +266,9 @@ fn outputs(args: &RenderArgs) -> anyhow::Result<Vec<(PathBuf, OutputKind)>> {
                 path.display(),
                 folder.display()
             );
+        }
+        if path.is_dir() {
+            bail!("{}: is a directory", path.display());
         }
         outputs.push((
             path,

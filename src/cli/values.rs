@@ -9,6 +9,9 @@ use glam::Vec3;
 /// Largest width and height of a picture, in pixels.
 const LARGEST: u32 = 1 << 16;
 
+/// Most threads that can be asked for: more than any machine of today has.
+const MOST_THREADS: usize = 4096;
+
 /// `WxH` or `W,H`: width and height in pixels.
 pub(super) fn resolution(text: &str) -> Result<(u32, u32), String> {
     let parts: Vec<_> = text.split([',', 'x', 'X']).collect();
@@ -93,6 +96,22 @@ pub(super) fn positive(text: &str) -> Result<f32, String> {
     match text.parse::<f32>() {
         Ok(v) if v > 0.0 && v.is_finite() => Ok(v),
         _ => Err("want a positive number".to_owned()),
+    }
+}
+
+/// A number that is neither infinite nor NaN.
+pub(super) fn finite(text: &str) -> Result<f32, String> {
+    match text.parse::<f32>() {
+        Ok(v) if v.is_finite() => Ok(v),
+        _ => Err("want a finite number".to_owned()),
+    }
+}
+
+/// A number of threads. A pool of many thousands takes minutes to start and gains nothing.
+pub(super) fn threads(text: &str) -> Result<usize, String> {
+    match text.parse::<usize>() {
+        Ok(n) if n <= MOST_THREADS => Ok(n),
+        _ => Err(format!("want a whole number from 0 to {MOST_THREADS}")),
     }
 }
 

@@ -1,0 +1,11 @@
+//! The program as its users run it: exit codes, words on both streams, files, pipes and signals.
+
+mod camera;
+mod errors;
+mod outputs;
+mod pipes;
+mod reports;
+mod run;
+mod shell;
+#[cfg(unix)]
+mod signals;
