@@ -7,6 +7,7 @@ use bspray::scene::{AlphaMode, LightKind, Material, Projection, Scene};
 use clap::Args;
 use serde_json::{Value, json};
 
+use super::numbers::{number, numbers};
 use super::{Done, output};
 
 /// Arguments of `bspray inspect`.
@@ -64,25 +65,27 @@ fn report(scene: &Scene, models: &[PathBuf]) -> Value {
             LightKind::Point => "point",
             LightKind::Spot { .. } => "spot",
         };
-        json!({ "name": light.name, "kind": kind, "intensity": light.intensity.to_array(),
-            "position": light.position.to_array(), "direction": light.direction.to_array(), "range": light.range })
+        json!({ "name": light.name, "kind": kind, "intensity": numbers(light.intensity.to_array()),
+            "position": numbers(light.position.to_array()), "direction": numbers(light.direction.to_array()), "range": light.range.map(number) })
     });
     let cameras = scene.cameras.iter().map(|camera| {
         let projection = match camera.projection {
             Projection::Perspective { view_angle } => {
-                json!({ "perspective": { "view_angle": view_angle } })
+                json!({ "perspective": { "view_angle": number(view_angle) } })
             }
-            Projection::Orthographic { height } => json!({ "orthographic": { "height": height } }),
+            Projection::Orthographic { height } => {
+                json!({ "orthographic": { "height": number(height) } })
+            }
         };
-        json!({ "name": camera.name, "position": camera.position.to_array(),
-            "focal_point": camera.focal_point.to_array(), "projection": projection })
+        json!({ "name": camera.name, "position": numbers(camera.position.to_array()),
+            "focal_point": numbers(camera.focal_point.to_array()), "projection": projection })
     });
     json!({
         "models": models,
         "triangles": scene.meshes.iter().map(|m| m.triangles.len()).sum::<usize>(),
         "triangles_placed": scene.placed_triangles(),
         "vertices": scene.meshes.iter().map(|m| m.positions.len()).sum::<usize>(),
-        "bounds": { "min": bounds.min.to_array(), "max": bounds.max.to_array(), "diagonal": bounds.diagonal() },
+        "bounds": { "min": numbers(bounds.min.to_array()), "max": numbers(bounds.max.to_array()), "diagonal": number(bounds.diagonal()) },
         "meshes": meshes.collect::<Vec<_>>(),
         "instances": instances.collect::<Vec<_>>(),
         "materials": scene.materials.iter().map(material).collect::<Vec<_>>(),
@@ -107,13 +110,13 @@ fn material(material: &Material) -> Value {
     ];
     json!({
         "name": material.name,
-        "base_color": material.base_color.to_array(),
-        "metallic": material.metallic,
-        "roughness": material.roughness,
-        "emissive": material.emissive.to_array(),
+        "base_color": numbers(material.base_color.to_array()),
+        "metallic": number(material.metallic),
+        "roughness": number(material.roughness),
+        "emissive": numbers(material.emissive.to_array()),
         "alpha": match material.alpha_mode {
             AlphaMode::Opaque => json!("opaque"),
-            AlphaMode::Mask { cutoff } => json!({ "mask": cutoff }),
+            AlphaMode::Mask { cutoff } => json!({ "mask": number(cutoff) }),
             AlphaMode::Blend => json!("blend"),
         },
         "textures": material.texture_refs().count(),

@@ -6,6 +6,7 @@
 mod camera_args;
 mod inspect;
 mod metadata;
+mod numbers;
 mod output;
 mod pixel;
 mod progress;

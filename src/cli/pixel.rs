@@ -6,6 +6,7 @@ use bspray::render::{Answer, PixelRenderer, RenderOptions, Stage, Surface, Trace
 use bspray::scene::CameraFrame;
 use serde_json::{Value, json};
 
+use super::numbers::{number, numbers};
 use super::{Done, output};
 
 /// Samples of the pixel whose rays are all shown; more would not be read.
@@ -40,9 +41,9 @@ pub(super) fn run(
         "pixel": [x, y],
         "center": rays(&center),
         "samples": samples.iter().map(|(seen, traced)| json!({
-            "color": seen.color.to_array(),
-            "alpha": seen.alpha,
-            "backdrop": seen.backdrop.to_array(),
+            "color": numbers(seen.color.to_array()),
+            "alpha": number(seen.alpha),
+            "backdrop": numbers(seen.backdrop.to_array()),
             "rays": rays(traced),
         })).collect::<Vec<_>>(),
         "steps": { "nodes": cost.nodes, "leaves": cost.leaves, "primitives": cost.primitives },
@@ -61,9 +62,9 @@ fn describe(stage: &Stage, traced: &TracedRay) -> Value {
     let mut value = json!({
         "kind": traced.kind.name(),
         "depth": ray.source.depth,
-        "origin": ray.origin.to_array(),
-        "direction": ray.direction.to_array(),
-        "interval": [number(ray.interval.min), number(ray.interval.max)],
+        "origin": numbers(ray.origin.to_array()),
+        "direction": numbers(ray.direction.to_array()),
+        "interval": numbers([ray.interval.min, ray.interval.max]),
     });
     match traced.answer {
         Answer::Any(hit) => value["occluded"] = json!(hit),
@@ -73,21 +74,21 @@ fn describe(stage: &Stage, traced: &TracedRay) -> Value {
             let material = surface.material_point(stage);
             let instance = &stage.scene.instances[hit.instance as usize];
             value["hit"] = json!({
-                "t": hit.t,
+                "t": number(hit.t),
                 "instance": hit.instance,
                 "instance_name": instance.name,
                 "triangle": hit.triangle,
-                "barycentric": [surface.barycentric.0, surface.barycentric.1],
-                "position": surface.position.to_array(),
-                "geometric_normal": surface.geometric_normal.to_array(),
-                "shading_normal": surface.shading_normal.to_array(),
+                "barycentric": numbers([surface.barycentric.0, surface.barycentric.1]),
+                "position": numbers(surface.position.to_array()),
+                "geometric_normal": numbers(surface.geometric_normal.to_array()),
+                "shading_normal": numbers(surface.shading_normal.to_array()),
                 "side": if surface.is_front { "front" } else { "back" },
-                "uv": surface.uv.to_array(),
+                "uv": numbers(surface.uv.to_array()),
                 "material": surface.material,
                 "material_name": stage.scene.materials[surface.material as usize].name,
-                "base_color": material.base_color.to_array(),
-                "alpha": material.alpha,
-                "offset": surface.offset,
+                "base_color": numbers(material.base_color.to_array()),
+                "alpha": number(material.alpha),
+                "offset": number(surface.offset),
                 "exact": verdict(stage, ray, &surface),
             });
         }
@@ -107,15 +108,6 @@ fn verdict(stage: &Stage, ray: &Ray, surface: &Surface) -> Value {
             json!({ "hits": true, "t": number(t), "ulps_off": ulps_off })
         }
         None => json!({ "hits": false }),
-    }
-}
-
-/// A number that JSON may not know.
-fn number(x: f32) -> Value {
-    if x.is_finite() {
-        json!(x)
-    } else {
-        json!(x.to_string())
     }
 }
 
