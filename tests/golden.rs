@@ -189,6 +189,9 @@ fn references_are_small_and_all_used() {
     }
 }
 
+/// A value made another.
+type Change = fn(f32) -> f32;
+
 /// Changes the first value of a channel that is not 0 or infinite.
 fn with_change(picture: &Picture, name: &str, change: impl Fn(f32) -> f32) -> Picture {
     let mut changed = picture.clone();
@@ -211,7 +214,7 @@ fn every_change_beyond_the_tolerance_is_found_and_shown() {
     assert_eq!(differences(&reference, &reference), "");
     for channel in &reference.channels {
         let name = channel.name.as_str();
-        let (within, beyond): (fn(f32) -> f32, fn(f32) -> f32) = match tolerance(name) {
+        let (within, beyond): (Change, Change) = match tolerance(name) {
             Tolerance::Exact => (|v| v, |v| v),
             Tolerance::Ulps(_) => (|v| v * (1.0 + f32::EPSILON), |v| v + 1e-3),
             Tolerance::Color { .. } => (|v| v + 5e-6, |v| v * 1.001 + 1e-4),
