@@ -86,7 +86,7 @@ fn panes() -> Scene {
         (level(0.0, [-4.0, 5.0], [-6.0, 3.0]), Material::default()),
         (upright(0.5, -0.5), blend(Vec4::new(0.9, 0.2, 0.1, 0.4))),
         (upright(-0.5, 0.3), blend(Vec4::new(0.1, 0.4, 0.9, 0.7))),
-        (upright(-1.5, 0.0), masked),
+        (upright(-1.5, 2.2), masked),
         (level(3.0, [-1.0, 1.5], [-1.0, 0.2]), lamp),
     ]);
     let checker = |i: u32| {
