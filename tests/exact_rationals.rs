@@ -33,8 +33,12 @@ struct Case {
 
 type Rationals = [Relaxed; 3];
 
+fn number(x: f32) -> Relaxed {
+    Relaxed::try_from(x).expect("finite")
+}
+
 fn rational(v: Vec3) -> Rationals {
-    v.to_array().map(|x| Relaxed::try_from(x).unwrap())
+    v.to_array().map(number)
 }
 
 fn minus(a: &Rationals, b: &Rationals) -> Rationals {
@@ -78,7 +82,7 @@ fn meeting(ray: &Ray, triangle: &Triangle) -> Option<(Relaxed, Relaxed, Relaxed)
 /// The nearest `f32`, ties to even, by walking from a guess; zero is positive.
 fn nearest(x: &Relaxed) -> f32 {
     let value = |f: f32| match f.is_finite() {
-        true => Relaxed::try_from(f).unwrap(),
+        true => number(f),
         // What follows f32::MAX if the exponents went on.
         false => Relaxed::from(IBig::ONE << 128) * Relaxed::from(f.signum() as i32),
     };
@@ -88,7 +92,7 @@ fn nearest(x: &Relaxed) -> f32 {
             let middle = (value(guess) + value(other)) / Relaxed::from(2);
             x.cmp(&middle)
         });
-        let even = guess.to_bits() % 2 == 0;
+        let even = guess.to_bits().is_multiple_of(2);
         let next = if above.is_gt() || above.is_eq() && !even {
             guess.next_up()
         } else if below.is_lt() || below.is_eq() && !even {
@@ -147,11 +151,13 @@ fn nudged(r: &mut Random, x: f32) -> f32 {
 fn any_exponent(r: &mut Random) -> Vec3 {
     Vec3::from_array([0, 1, 2].map(|_| {
         let exponent = r.integer(-30, 17) as f64;
-        (f64::from(r.signed()) * 10f64.powf(exponent)) as f32
+        (f64::from(r.signed()) * libm::exp10(exponent)) as f32
     }))
 }
 
-const TROUBLE: [(&str, fn(&mut Random) -> Case); 12] = [
+type Maker = fn(&mut Random) -> Case;
+
+const TROUBLE: [(&str, Maker); 12] = [
     ("integer grid", |r| Case {
         ray: Ray::new(grid(r, 3), grid(r, 3)),
         triangles: [0, 1].map(|_| triangle([0, 1, 2].map(|_| grid(r, 3)))),
@@ -261,7 +267,7 @@ const TROUBLE: [(&str, fn(&mut Random) -> Case); 12] = [
         let at = |z: f32, r: &mut Random| grid(r, 9).with_z(z);
         let triangles = [z, nudged(r, z)].map(|z| triangle([0, 1, 2].map(|_| at(z, r))));
         let exponent = r.pick(&[0, 1, -20, 80, -126]);
-        let speed = 2f32.powf(exponent as f32);
+        let speed = libm::ldexpf(1.0, exponent);
         Case {
             ray: Ray::new(at(from, r), Vec3::Z * speed),
             triangles,
@@ -364,14 +370,12 @@ fn barycentric_error(ray: &Ray, triangle: &Triangle, truth: [&Relaxed; 2]) -> Re
         .sum();
     let speed = dot(&plane_normal(triangle), &rational(ray.direction));
     let tolerance =
-        f64::from(f32::EPSILON) + 2f64.powf(-48.0) * magnitudes / speed.to_f64().value().abs();
+        f64::from(f32::EPSILON) + libm::ldexp(1.0, -48) * magnitudes / speed.to_f64().value().abs();
     let found = triangle.barycentric(ray);
-    let errors = [found.u, found.v].into_iter().zip(truth).map(|(x, truth)| {
-        (Relaxed::try_from(x).unwrap() - truth)
-            .to_f64()
-            .value()
-            .abs()
-    });
+    let errors = [found.u, found.v]
+        .into_iter()
+        .zip(truth)
+        .map(|(x, truth)| (number(x) - truth).to_f64().value().abs());
     match errors.into_iter().all(|error| error <= tolerance) {
         true => Ok(()),
         false => Err(format!("{found:?} beyond {tolerance:e}")),

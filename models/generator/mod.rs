@@ -26,11 +26,26 @@ impl GeneratedFile {
     }
 }
 
+/// A polygon that a fan would triangulate wrongly.
+const CONCAVE: &str = "\
+# A concave polygon of 8 corners, shaped like a U: 6 triangles that cover an area of 7. A fan would fill the notch.
+v 0 0 0
+v 3 0 0
+v 3 3 0
+v 2 3 0
+v 2 1 0
+v 1 1 0
+v 1 3 0
+v 0 3 0
+f 1 2 3 4 5 6 7 8
+";
+
 /// Every generated model.
 pub(crate) fn files() -> io::Result<Vec<GeneratedFile>> {
     let mut files = vec![
         GeneratedFile::new("lecture-block.obj", lecture_block::obj()),
         GeneratedFile::new("lecture-objects.gltf", lecture_objects::gltf()?),
+        GeneratedFile::new("concave.obj", CONCAVE),
         GeneratedFile::new("cornell-box.obj", cornell_box::obj()),
         GeneratedFile::new("cornell-box.mtl", cornell_box::MTL),
     ];

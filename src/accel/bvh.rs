@@ -12,6 +12,7 @@ use obvhs::bvh2::builder::build_bvh2;
 use obvhs::bvh2::node::Bvh2Node;
 use obvhs::cwbvh::CwBvh;
 use obvhs::cwbvh::builder::build_cwbvh;
+use obvhs::faststack::FastStack;
 use obvhs::ray::{Ray as ObvhsRay, RayHit};
 use obvhs::{BvhBuildParams, fast_stack, traverse};
 
@@ -169,41 +170,43 @@ fn walk_binary_counted<C: Counter>(
     counter: &mut C,
     mut visit: impl FnMut(u32, &mut C) -> f32,
 ) {
-    let Some(root) = bvh
-        .nodes
-        .first()
-        .filter(|root| root.aabb().intersect_ray(&ray) < ray.tmax)
-    else {
+    let enters = |node: &Bvh2Node, ray: &ObvhsRay| node.aabb().intersect_ray(ray) < ray.tmax;
+    let Some(root) = bvh.nodes.first().filter(|root| enters(root, &ray)) else {
         return;
     };
     if root.is_leaf() {
         visit_leaf(root, &mut ray, counter, &mut visit);
         return;
     }
-    let mut stack = vec![root];
-    while let Some(node) = stack.pop() {
-        counter.node();
-        let mut children = [0, 1].map(|i| {
-            let child = &bvh.nodes[node.first_index as usize + i];
-            (child.aabb().intersect_ray(&ray), child)
-        });
-        if children[0].0 > children[1].0 {
-            children.swap(0, 1);
-        }
-        // Leaves are tested before anything is entered, the nearer child first.
-        let bottom = stack.len();
-        for (entry, child) in children {
-            if entry < ray.tmax {
-                if child.is_leaf() {
-                    if !visit_leaf(child, &mut ray, counter, &mut visit) {
+    fast_stack!(u32, (96, 192), bvh.max_depth, stack, {
+        stack.push(root.first_index);
+        while let Some(first) = stack.pop() {
+            counter.node();
+            let mut children = [0, 1].map(|i| {
+                let child = &bvh.nodes[first as usize + i];
+                (child.aabb().intersect_ray(&ray), child)
+            });
+            if children[0].0 > children[1].0 {
+                children.swap(0, 1);
+            }
+            // Leaves are tested before anything is entered, the nearer child first.
+            let mut inner = [None; 2];
+            for ((entry, child), inner) in children.into_iter().zip(&mut inner) {
+                if entry < ray.tmax {
+                    if !child.is_leaf() {
+                        *inner = Some(child.first_index);
+                    } else if !visit_leaf(child, &mut ray, counter, &mut visit) {
                         return;
                     }
-                } else {
-                    stack.insert(bottom, child);
                 }
             }
+            inner
+                .into_iter()
+                .rev()
+                .flatten()
+                .for_each(|first| stack.push(first));
         }
-    }
+    });
 }
 
 fn walk_wide<C: Counter>(

@@ -161,7 +161,11 @@ mod tests {
         let Walk::Through(walk) = space().walk(&ray) else {
             panic!("meets the scene")
         };
-        assert!((walk.origin.x - 2.0).abs() < 0.01, "{}", walk.origin);
+        assert!(
+            (walk.origin.x - RADIUS as f32).abs() < 0.01,
+            "{}",
+            walk.origin
+        );
         assert!(walk.direction.z.is_sign_positive());
         // x = 100, the middle, is at t = (1e6 - 100) / 2.
         let middle = walk.limit((1e6 - 100.0) / 2.0);

@@ -20,12 +20,10 @@ pub(super) fn run(
     (x, y): (u32, u32),
     as_json: bool,
 ) -> anyhow::Result<Done> {
-    let filter = options.filter.sampler();
     let renderer = PixelRenderer {
         stage,
         camera,
         options,
-        filter: &filter,
     };
     let mut tracer = Tracer::new(stage.accelerator, true);
     tracer.record = Some(Vec::new());

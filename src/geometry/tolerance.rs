@@ -50,6 +50,64 @@ pub const U64: f64 = f64::EPSILON / 2.0;
 /// functions cannot overflow. A larger one drops its triangles as a defect.
 pub const COORDINATE_LIMIT: f32 = 1e18;
 
+/// Error of a sheared coordinate in units of the greatest depth `M`: 4u by step 1 above, and u to spare.
+///
+/// Smaller than 4u and hits are decided wrongly; larger and more triangles go to the slower `f64` stage.
+pub const SHEAR_ERROR: f32 = 5.0 * U32;
+
+/// Error of an edge function in units of `s^2`: 6u by steps 2 and 3 above, and u to spare.
+pub const PRODUCT_ERROR: f32 = 7.0 * U32;
+
+/// Largest error of the three edge functions of one triangle in single precision, by the derivation above.
+///
+/// `depth` is the greatest `|A.z|` of the corners and `lateral` the greatest `|X| + |Y|`, both as computed, in model
+/// units; the result is in square units. An edge function whose magnitude exceeds it has the right sign.
+///
+/// ```
+/// use bspray::geometry::tolerance::edge_function_error;
+/// // A triangle of lateral size 1 at distance 10: edge functions above 7e-6 are certain.
+/// let error = edge_function_error(10.0, 1.0);
+/// assert!(6e-6 < error && error < 7e-6);
+/// ```
+#[inline]
+pub fn edge_function_error(depth: f32, lateral: f32) -> f32 {
+    let shear = SHEAR_ERROR * depth + f32::MIN_POSITIVE;
+    2.0 * shear * (lateral + shear) + PRODUCT_ERROR * (lateral * lateral) + f32::MIN_POSITIVE
+}
+
+/// Error of `det(d, p - o, q - p)` in `f64`, in units of its permanent.
+///
+/// Seven roundings a term: two differences, a product, the minor's difference, a product, two sums.
+pub const EDGE_FILTER: f64 = 8.0 * U64;
+
+/// Error of one component of `(b - a) x (c - a)` in `f64`, in units of its permanent: four roundings a term.
+pub const NORMAL_FILTER: f64 = 5.0 * U64;
+
+/// Error of `((b - a) x (c - a)) . (a - o)` in `f64`, in units of its permanent.
+///
+/// Eight roundings a term: four for the normal, the difference `a - o`, a product, two sums. The surplus of 2, and that
+/// of [`DENOMINATOR_FILTER`], are worth at least `4v |t|` in the radius around the quotient `t`. They pay for one
+/// rounding each of the quotient and of the interval's end, `2v |t|`; and a fifth of the radius pays for its own.
+pub const NUMERATOR_FILTER: f64 = 10.0 * U64;
+
+/// Error of `((b - a) x (c - a)) . d` in `f64`, in units of its permanent: seven roundings a term, and a surplus of 2,
+/// see [`NUMERATOR_FILTER`].
+pub const DENOMINATOR_FILTER: f64 = 9.0 * U64;
+
+/// Least share of its permanent that the largest component of a triangle's normal must reach for `f64` to be trusted
+/// with its direction; below, it is computed in integers.
+///
+/// The normal's error is at most `sqrt(3) * NORMAL_FILTER` times the largest permanent, so that at this share (2^-25)
+/// the direction is wrong by less than 8.7 * 2^-53 / 2^-25 < 2^-24, half an ulp of 1 in `f32`.
+pub const NORMAL_TRUST: f64 = 1.0 / (1u32 << 25) as f64;
+
+/// Largest relative difference between the area of a polygon and that of its triangles which counts as rounding.
+///
+/// Both are sums of n products of differences in `f64`, so that rounding stays below about 4 n * 2^-53 of the polygon's
+/// extent squared: 5e-12 for ten thousand corners. A polygon that crosses itself is off by the share of its area that is
+/// covered twice. Larger: such crossings pass unnoticed; smaller: thin polygons lose their ears and become fans.
+pub const POLYGON_AREA_TOLERANCE: f64 = 1e-9;
+
 /// Margin around the boxes of the obvhs trees, in units of half the scene's largest extent: 64 u, about 4e-6.
 ///
 /// In the space of `accel::normalized`, boxes and the ray's walk lie within 4 units. The errors of the slab test
@@ -101,64 +159,15 @@ pub fn surface_offset_factors(world_from_object: glam::DMat3, object_radius: f32
     (8.0 * U32, instance_margin(norm, 1.0, radius, radius) as f32)
 }
 
-/// Error of a sheared coordinate in units of the greatest depth `M`: 4u by step 1 above, and u to spare.
-///
-/// Smaller than 4u and hits are decided wrongly; larger and more triangles go to the slower `f64` stage.
-const SHEAR_ERROR: f32 = 5.0 * U32;
+#[cfg(test)]
+mod tests {
+    use super::*;
 
-/// Error of an edge function in units of `s^2`: 6u by steps 2 and 3 above, and u to spare.
-const PRODUCT_ERROR: f32 = 7.0 * U32;
-
-/// Largest error of the three edge functions of one triangle in single precision, by the derivation above.
-///
-/// `depth` is the greatest `|A.z|` of the corners and `lateral` the greatest `|X| + |Y|`, both as computed, in model
-/// units; the result is in square units. An edge function whose magnitude exceeds it has the right sign.
-///
-/// ```
-/// use bspray::geometry::tolerance::edge_function_error;
-/// // A triangle of lateral size 1 at distance 10: edge functions above 7e-6 are certain.
-/// let error = edge_function_error(10.0, 1.0);
-/// assert!(6e-6 < error && error < 7e-6);
-/// ```
-#[inline]
-pub fn edge_function_error(depth: f32, lateral: f32) -> f32 {
-    let shear = SHEAR_ERROR * depth + f32::MIN_POSITIVE;
-    2.0 * shear * (lateral + shear) + PRODUCT_ERROR * (lateral * lateral) + f32::MIN_POSITIVE
+    #[test]
+    fn an_edge_function_that_can_overflow_is_never_certain() {
+        // 1.9e19 squared exceeds f32::MAX, and so may a product of two coordinates of that size.
+        assert!(edge_function_error(0.0, 1.9e19).is_infinite());
+        assert!(edge_function_error(0.0, 1.8e19).is_finite());
+        assert!(edge_function_error(f32::INFINITY, 0.0).is_infinite());
+    }
 }
-
-/// Error of `det(d, p - o, q - p)` in `f64`, in units of its permanent.
-///
-/// Seven roundings a term: two differences, a product, the minor's difference, a product, two sums.
-pub const EDGE_FILTER: f64 = 8.0 * U64;
-
-/// Error of one component of `(b - a) x (c - a)` in `f64`, in units of its permanent: four roundings a term.
-pub const NORMAL_FILTER: f64 = 5.0 * U64;
-
-/// Error of `((b - a) x (c - a)) . (a - o)` in `f64`, in units of its permanent.
-///
-/// Eight roundings a term: four for the normal, the difference `a - o`, a product, two sums. The surplus over 9 pays
-/// for the roundings of the quotient's radius, see [`QUOTIENT_ERROR`].
-pub const NUMERATOR_FILTER: f64 = 10.0 * U64;
-
-/// Error of `((b - a) x (c - a)) . d` in `f64`, in units of its permanent: seven roundings a term, and see
-/// [`NUMERATOR_FILTER`] for the surplus.
-pub const DENOMINATOR_FILTER: f64 = 9.0 * U64;
-
-/// Error of a quotient's own rounding and of the ends of the interval around it, in units of the quotient.
-///
-/// One rounding each for the quotient and the end; the other two are to spare.
-pub const QUOTIENT_ERROR: f64 = 4.0 * U64;
-
-/// Least share of its permanent that the largest component of a triangle's normal must reach for `f64` to be trusted
-/// with its direction; below, it is computed in integers.
-///
-/// The normal's error is at most `sqrt(3) * NORMAL_FILTER` times the largest permanent, so that at this share (2^-25)
-/// the direction is wrong by less than 8.7 * 2^-53 / 2^-25 < 2^-24, half an ulp of 1 in `f32`.
-pub const NORMAL_TRUST: f64 = 1.0 / (1u32 << 25) as f64;
-
-/// Largest relative difference between the area of a polygon and that of its triangles which counts as rounding.
-///
-/// Both are sums of n products of differences in `f64`, so that rounding stays below about 4 n * 2^-53 of the polygon's
-/// extent squared: 5e-12 for ten thousand corners. A polygon that crosses itself is off by the share of its area that is
-/// covered twice. Larger: such crossings pass unnoticed; smaller: thin polygons lose their ears and become fans.
-pub const POLYGON_AREA_TOLERANCE: f64 = 1e-9;

@@ -155,6 +155,12 @@ mod tests {
         assert_eq!(filter::normal(&bent).0, DVec3::ZERO);
         assert!(!bent.is_degenerate());
         assert_eq!(bent.normal(), Some(Vec3::NEG_Z));
+        // And the other way round: f64 sees area where there is none.
+        let step = Vec3::new(3.0, 5.0, 7.0);
+        let [high, low] = [(1u64 << 56) as f32, -((1u64 << 55) as f32)];
+        let straight = Triangle::new(step * high, step * 16.0, step * low);
+        assert_ne!(filter::normal(&straight).0, DVec3::ZERO);
+        assert!(straight.is_degenerate() && straight.normal().is_none());
         assert!(Triangle::new(Vec3::NAN, a, b).is_degenerate());
     }
 

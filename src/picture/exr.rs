@@ -50,7 +50,7 @@ const BLOCKS_AT_ONCE: usize = 64;
 /// Largest finite 16-bit float.
 const F16_MAX: f32 = 65_504.0;
 
-/// Writes a picture to `path`, complete or not at all (see [`replace_file`]). Blocks are packed on rayon's current threads.
+/// Writes a picture to `path`, complete or not at all (see [`replace_file()`]). Blocks are packed on rayon's current threads.
 ///
 /// # Errors
 /// `Invalid` for no or equal channels, a wrong number of values, an empty window, or an attribute that has a reserved name;

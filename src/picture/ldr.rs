@@ -66,7 +66,7 @@ impl LdrFormat {
     }
 }
 
-/// Writes an 8-bit picture in the format that the extension names, complete or not at all (see [`replace_file`]).
+/// Writes an 8-bit picture in the format that the extension names, complete or not at all (see [`replace_file()`]).
 ///
 /// # Errors
 /// `Unsupported` for another extension and for alpha in a JPEG, `Invalid` for a wrong number of pixels, `Io` for what the

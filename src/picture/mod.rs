@@ -1,7 +1,7 @@
 //! Pictures: layers of channels to and from EXR, colours to PNG and JPEG through a tone map, images of models to pixels.
 //!
 //! Rows go from the top, pixels from the left. Colours are linear RGB of Rec. 709 primaries until [`srgb`] encodes them.
-//! No type of the crates `exr` and `image` leaves [`exr`](self::exr) and [`ldr`].
+//! No type of the crates `exr` and `image` leaves [`mod@exr`] and [`ldr`].
 //!
 //! ```
 //! use bspray::picture::{Channel, Picture, Samples, exr};

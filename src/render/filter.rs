@@ -1,6 +1,8 @@
 //! Pixel filters, used by importance: samples fall as densely as the filter weighs them, so that each counts 1 and touches
 //! its own pixel only.
 
+use std::sync::LazyLock;
+
 /// How light between pixel centres is shared out.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum PixelFilter {
@@ -11,44 +13,31 @@ pub enum PixelFilter {
     BlackmanHarris,
 }
 
-/// A filter made ready for sampling.
-#[derive(Clone, Debug)]
-pub struct FilterSampler {
-    /// For the Blackman-Harris window: the offset below which a share of `i / (len - 1)` of its weight lies.
-    inverse_cdf: Option<Box<[f32]>>,
-}
-
 /// Half the width of the Blackman-Harris window, in pixels.
 const BLACKMAN_HARRIS_RADIUS: f64 = 1.5;
 
 /// Entries of the inverse of the window's distribution; between them it is straight.
-const TABLE: usize = 257;
+const TABLE: usize = 2049;
+
+/// The offset below which a share of `i / (TABLE - 1)` of the Blackman-Harris window's weight lies.
+static INVERSE_CDF: LazyLock<[f32; TABLE]> = LazyLock::new(blackman_harris_inverse_cdf);
 
 impl PixelFilter {
-    /// Prepares the filter.
-    pub fn sampler(self) -> FilterSampler {
-        let inverse_cdf = match self {
-            Self::Box => None,
-            Self::BlackmanHarris => Some(blackman_harris_inverse_cdf()),
-        };
-        FilterSampler { inverse_cdf }
-    }
-}
-
-impl FilterSampler {
     /// An offset from the pixel's centre, in pixels, for two numbers in [0, 1).
-    pub fn sample(&self, [u, v]: [f32; 2]) -> (f64, f64) {
+    pub fn sample(self, [u, v]: [f32; 2]) -> (f64, f64) {
         (self.offset(u), self.offset(v))
     }
 
-    fn offset(&self, u: f32) -> f64 {
-        let Some(table) = &self.inverse_cdf else {
-            return f64::from(u) - 0.5;
-        };
-        let place = f64::from(u) * (TABLE - 1) as f64;
-        let index = (place as usize).min(TABLE - 2);
-        let [low, high] = [table[index], table[index + 1]].map(f64::from);
-        low + (high - low) * (place - index as f64)
+    fn offset(self, u: f32) -> f64 {
+        match self {
+            Self::Box => f64::from(u) - 0.5,
+            Self::BlackmanHarris => {
+                let place = u * (TABLE - 1) as f32;
+                let index = (place as usize).min(TABLE - 2);
+                let [low, high] = [INVERSE_CDF[index], INVERSE_CDF[index + 1]];
+                f64::from(low + (high - low) * (place - index as f32))
+            }
+        }
     }
 }
 
@@ -59,7 +48,7 @@ fn blackman_harris(x: f64) -> f64 {
         - 0.01168 * libm::cos(3.0 * phase)
 }
 
-fn blackman_harris_inverse_cdf() -> Box<[f32]> {
+fn blackman_harris_inverse_cdf() -> [f32; TABLE] {
     const STEPS: usize = 8192;
     let place = |step: usize| 2.0 * step as f64 / STEPS as f64 - 1.0;
     let mut cdf = vec![0.0];
@@ -74,7 +63,7 @@ fn blackman_harris_inverse_cdf() -> Box<[f32]> {
         let x = place(step - 1) + (place(step) - place(step - 1)) * within;
         (x * BLACKMAN_HARRIS_RADIUS) as f32
     };
-    (0..TABLE).map(inverse).collect()
+    std::array::from_fn(inverse)
 }
 
 #[cfg(test)]
@@ -83,13 +72,13 @@ mod tests {
 
     #[test]
     fn box_samples_stay_in_the_pixel() {
-        let filter = PixelFilter::Box.sampler();
+        let filter = PixelFilter::Box;
         assert_eq!(filter.sample([0.0, 0.75]), (-0.5, 0.25));
     }
 
     #[test]
     fn blackman_harris_samples_follow_the_window() {
-        let filter = PixelFilter::BlackmanHarris.sampler();
+        let filter = PixelFilter::BlackmanHarris;
         let n = 200_000;
         let (mut inside, mut square) = (0.0, 0.0);
         for i in 0..n {

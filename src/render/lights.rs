@@ -181,7 +181,7 @@ impl Sun {
         Self {
             direction: (front * 0.55 - right * 0.45 + up).normalize(),
             cos_radius: libm::cos(SUN_RADIUS.to_radians()) as f32,
-            irradiance: Vec3::new(1.70, 1.60, 1.45),
+            irradiance: Vec3::new(2.10, 1.98, 1.80),
         }
     }
 }

@@ -80,12 +80,10 @@ pub fn render(
     observer: &impl Observer,
 ) -> Film {
     let mut film = Film::new(options.size, options.window);
-    let filter = options.filter.sampler();
     let pixel = PixelRenderer {
         stage,
         camera,
         options,
-        filter: &filter,
     };
     if options.wants_first_hits {
         film.tiles.par_iter_mut().for_each(|tile| {
@@ -135,15 +133,13 @@ pub struct PixelRenderer<'a> {
     pub camera: &'a CameraFrame,
     /// What to render.
     pub options: &'a RenderOptions,
-    /// The options' filter.
-    pub filter: &'a filter::FilterSampler,
 }
 
 impl PixelRenderer<'_> {
     /// One sample of a pixel.
     pub fn sample(&self, tracer: &mut Tracer, x: u32, y: u32, sample: u32) -> Sample {
         let mut sampler = Sampler::new(x, y, sample, self.options.seed);
-        let (dx, dy) = self.filter.sample(sampler.next_2d());
+        let (dx, dy) = self.options.filter.sample(sampler.next_2d());
         let ray = self.camera.ray(
             f64::from(x) + 0.5 + dx,
             f64::from(y) + 0.5 + dy,

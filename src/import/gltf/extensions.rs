@@ -83,10 +83,10 @@ pub(super) fn gate(document: &Document, notes: &mut Notes) -> Result<(), ImportE
     for name in used.iter().filter(|name| !is_supported(name)) {
         let known = KNOWN.iter().find(|(n, _)| n == name);
         let text = match known {
-            Some((_, loss)) => format!("is not supported: {loss}"),
-            None => "is not supported and has no effect".to_owned(),
+            Some((_, loss)) => format!("{name} is not supported: {loss}"),
+            None => format!("{name} is not supported and has no effect"),
         };
-        notes.add(format!("extension {name}"), text);
+        notes.add("extensionsUsed", text);
     }
     Ok(())
 }

@@ -5,36 +5,23 @@
 
 use std::ops::Range;
 
-use ::gltf::json::mesh::{Primitive, Semantic};
+use ::gltf::json::mesh::{Mode, Primitive};
 use ::gltf::json::validation::Checked;
 use glam::{Vec2, Vec3, Vec4};
 
 use super::accessor::Accessor;
+use super::attributes::{Attributes, color_or_white, finite_or_zero, unit_or_zero};
 use super::document::Document;
 use super::notes::Notes;
 use super::primitive;
 use crate::import::{ImportError, clean};
 use crate::scene::{Defect, Part, TriangleMesh};
 
-/// Most sets of texture coordinates that are read: more than any file was seen to have. A set's number costs nothing in
-/// the file, so there must be a limit.
-const MAX_UV_SETS: u32 = 8;
-
 /// A mesh with what there is to say about it.
 pub(super) struct MeshRead {
     pub(super) mesh: TriangleMesh,
     pub(super) notes: Notes,
     pub(super) defects: Vec<Defect>,
-}
-
-/// The accessors of a primitive's vertices.
-#[derive(PartialEq, Eq)]
-struct Attributes {
-    position: usize,
-    normal: Option<usize>,
-    color: Option<usize>,
-    /// Set and accessor, ascending.
-    uvs: Vec<(u32, usize)>,
 }
 
 /// Vertices that primitives share.
@@ -116,7 +103,7 @@ impl Reader<'_, '_> {
             self.notes.add(element, "points and lines are left out");
             return Ok(());
         }
-        let Some(attributes) = self.attributes(json, &element) else {
+        let Some(attributes) = Attributes::of(json, &element, &mut self.notes) else {
             self.notes.add(element, "left out: it has no positions");
             return Ok(());
         };
@@ -130,23 +117,13 @@ impl Reader<'_, '_> {
             return Err(ImportError::unsupported(document.file, element, cause));
         }
         let vertex_count = positions.count;
-        let indices = match json.indices {
-            Some(accessor) => Accessor::open(document, accessor.value())
-                .and_then(|a| a.indices())
-                .map_err(invalid)?,
-            // Fits: the count of an accessor has 32 bits.
-            None => (0..vertex_count as u32).collect(),
-        };
-        if let Some(at) = first_beyond(&indices, vertex_count) {
-            let cause = format!("index {at} names vertex {} of {vertex_count}", indices[at]);
-            return Err(invalid(cause));
-        }
+        let indices = self.indices(json, vertex_count).map_err(invalid)?;
+        let materials = document.root.materials.len();
         let material = match json.material {
             None => default_material,
-            Some(m) if m.value() < document.root.materials.len() => m.value() as u32,
+            Some(m) if m.value() < materials => m.value() as u32,
             Some(m) => {
-                let count = document.root.materials.len();
-                let cause = format!("material {m} is not there: the file has {count}");
+                let cause = format!("material {m} is not there: the file has {materials}");
                 return Err(invalid(cause));
             }
         };
@@ -155,25 +132,11 @@ impl Reader<'_, '_> {
             self.notes.add(element, "left out: it has no triangles");
             return Ok(());
         }
-        if mode == ::gltf::json::mesh::Mode::Triangles && indices.len() % 3 != 0 {
+        if mode == Mode::Triangles && indices.len() % 3 != 0 {
             let text = "the one or two indices behind its last triangle are ignored";
             self.notes.add(&element, text);
         }
-        let first = self.mesh.triangles.len();
-        self.mesh.triangles.extend(triangles);
-        let run = first..self.mesh.triangles.len();
-        if u32::try_from(run.end).is_err() {
-            return Err(invalid("the mesh has more than 2^32 triangles".to_owned()));
-        }
-        let count = run.len() as u32;
-        match self.mesh.parts.last_mut() {
-            Some(part) if part.material == material => part.triangle_count += count,
-            _ => self.mesh.parts.push(Part {
-                first_triangle: first as u32,
-                triangle_count: count,
-                material,
-            }),
-        }
+        let run = self.add_part(triangles, material).map_err(invalid)?;
         match self.groups.iter_mut().find(|g| g.attributes == attributes) {
             Some(group) => group.runs.push(run),
             None => self.groups.push(Group {
@@ -186,38 +149,44 @@ impl Reader<'_, '_> {
         Ok(())
     }
 
-    /// `None` without positions.
-    fn attributes(&mut self, json: &Primitive, element: &str) -> Option<Attributes> {
-        let accessor = |semantic| {
-            let found = json.attributes.get(&Checked::Valid(semantic));
-            found.map(|a| a.value())
+    /// A primitive's vertex indices, all below `vertex_count`.
+    fn indices(&self, json: &Primitive, vertex_count: usize) -> Result<Vec<u32>, String> {
+        let Some(accessor) = json.indices else {
+            // Fits: the count of an accessor has 32 bits.
+            return Ok((0..vertex_count as u32).collect());
         };
-        let mut uvs = Vec::new();
-        for (semantic, accessor) in &json.attributes {
-            match semantic {
-                Checked::Valid(Semantic::TexCoords(set)) if *set < MAX_UV_SETS => {
-                    uvs.push((*set, accessor.value()));
-                }
-                Checked::Valid(Semantic::TexCoords(_)) => {
-                    let text = format!(
-                        "texture coordinates beyond TEXCOORD_{} are ignored",
-                        MAX_UV_SETS - 1
-                    );
-                    self.notes.add(element, text);
-                }
-                Checked::Valid(Semantic::Colors(1..)) => {
-                    self.notes
-                        .add(element, "colours beyond COLOR_0 are ignored");
-                }
-                _ => {}
-            }
+        let indices = Accessor::open(self.document, accessor.value())?.indices()?;
+        match primitive::first_beyond(&indices, vertex_count) {
+            None => Ok(indices),
+            Some(at) => Err(format!(
+                "index {at} names vertex {} of {vertex_count}",
+                indices[at]
+            )),
         }
-        Some(Attributes {
-            position: accessor(Semantic::Positions)?,
-            normal: accessor(Semantic::Normals),
-            color: accessor(Semantic::Colors(0)),
-            uvs,
-        })
+    }
+
+    /// Adds triangles of one material. Gives their places.
+    fn add_part(
+        &mut self,
+        triangles: Vec<[u32; 3]>,
+        material: u32,
+    ) -> Result<Range<usize>, String> {
+        let first = self.mesh.triangles.len();
+        append(&mut self.mesh.triangles, triangles);
+        let run = first..self.mesh.triangles.len();
+        if u32::try_from(run.end).is_err() {
+            return Err("the mesh has more than 2^32 triangles".to_owned());
+        }
+        let count = run.len() as u32;
+        match self.mesh.parts.last_mut() {
+            Some(part) if part.material == material => part.triangle_count += count,
+            _ => self.mesh.parts.push(Part {
+                first_triangle: first as u32,
+                triangle_count: count,
+                material,
+            }),
+        }
+        Ok(run)
     }
 
     /// Adds the vertices that a group's triangles use, and makes the triangles name them.
@@ -241,11 +210,13 @@ impl Reader<'_, '_> {
 
         let positions = open("POSITION", group.attributes.position, 3..=3)?;
         let positions = positions.read(&used, [0.0; 3]);
-        mesh.positions.extend(positions.into_iter().map(Vec3::from));
+        let positions = positions.into_iter().map(Vec3::from).collect();
+        append(&mut mesh.positions, positions);
         if let Some(index) = group.attributes.normal {
             let normals = open("NORMAL", index, 3..=3)?.read(&used, [0.0; 3]);
             mesh.normals.resize(base, Vec3::ZERO);
-            mesh.normals.extend(normals.into_iter().map(unit_or_zero));
+            let normals = normals.into_iter().map(unit_or_zero).collect();
+            append(&mut mesh.normals, normals);
         } else if !mesh.normals.is_empty() {
             mesh.normals.resize(end, Vec3::ZERO);
         }
@@ -254,7 +225,8 @@ impl Reader<'_, '_> {
             let colors = open("COLOR_0", index, 3..=4)?.into_normalized();
             let colors = colors.read(&used, [1.0; 4]);
             mesh.colors.resize(base, Vec4::ONE);
-            mesh.colors.extend(colors.into_iter().map(color_or_white));
+            let colors = colors.into_iter().map(color_or_white).collect();
+            append(&mut mesh.colors, colors);
         } else if !mesh.colors.is_empty() {
             mesh.colors.resize(end, Vec4::ONE);
         }
@@ -265,7 +237,8 @@ impl Reader<'_, '_> {
                 mesh.uv_sets.resize(set + 1, Vec::new());
             }
             mesh.uv_sets[set].resize(base, Vec2::ZERO);
-            mesh.uv_sets[set].extend(uvs.into_iter().map(finite_or_zero));
+            let uvs = uvs.into_iter().map(finite_or_zero).collect();
+            append(&mut mesh.uv_sets[set], uvs);
         }
         for set in mesh.uv_sets.iter_mut().filter(|s| !s.is_empty()) {
             set.resize(end, Vec2::ZERO);
@@ -282,13 +255,11 @@ impl Reader<'_, '_> {
             let low = triangles.as_flattened().iter().copied().min();
             low.zip(triangles.as_flattened().iter().copied().max())
         };
-        let (mut low, mut high) = (u32::MAX, 0);
-        for (l, h) in runs
+        let (low, high) = runs
             .iter()
-            .filter_map(|r| corners(&self.mesh.triangles[r.clone()]))
-        {
-            (low, high) = (low.min(l), high.max(h));
-        }
+            .filter_map(|run| corners(&self.mesh.triangles[run.clone()]))
+            .reduce(|(low, high), (l, h)| (low.min(l), high.max(h)))
+            .unwrap_or((0, 0));
         // One place for each vertex between the least and the greatest: they are there, and indices name them.
         let mut place = vec![UNUSED; (high - low) as usize + 1];
         for run in runs {
@@ -315,26 +286,11 @@ impl Reader<'_, '_> {
     }
 }
 
-/// The place of the first index that is not below `count`.
-fn first_beyond(indices: &[u32], count: usize) -> Option<usize> {
-    let is_beyond = |&i: &u32| i as usize >= count;
-    // The maximum of a slice is found many at a time, its place is not.
-    let greatest = indices.iter().copied().max()?;
-    is_beyond(&greatest).then(|| indices.iter().position(is_beyond).unwrap_or(0))
-}
-
-fn unit_or_zero(normal: [f32; 3]) -> Vec3 {
-    // In double precision: the squares of short and long vectors leave single precision.
-    let normal = Vec3::from(normal).as_dvec3();
-    normal.try_normalize().map_or(Vec3::ZERO, |n| n.as_vec3())
-}
-
-fn finite_or_zero(uv: [f32; 2]) -> Vec2 {
-    let uv = Vec2::from(uv);
-    if uv.is_finite() { uv } else { Vec2::ZERO }
-}
-
-fn color_or_white(color: [f32; 4]) -> Vec4 {
-    let color = Vec4::from(color);
-    if color.is_finite() { color } else { Vec4::ONE }
+/// Adds `more` at the end; most meshes have one group, of which the vectors are taken as they are.
+fn append<T>(values: &mut Vec<T>, more: Vec<T>) {
+    if values.is_empty() {
+        *values = more;
+    } else {
+        values.extend(more);
+    }
 }

@@ -9,6 +9,7 @@
 //! Broken parts that the scene does not use do not matter: they are not looked at.
 
 mod accessor;
+mod attributes;
 mod buffers;
 mod container;
 mod document;

@@ -91,8 +91,9 @@ fn roots(document: &Document, notes: &mut Notes) -> Result<Vec<usize>, ImportErr
     let shown = root.scene.map_or(0, |s| s.value());
     if let Some(scene) = root.scenes.get(shown) {
         if root.scenes.len() > 1 {
-            let text = format!("{} more are left out", root.scenes.len() - 1);
-            notes.add(format!("beside scene {shown}, the default"), text);
+            let others = root.scenes.len() - 1;
+            let text = format!("only scene {shown} is shown; others left out: {others}");
+            notes.add("scenes", text);
         }
         return Ok(scene.nodes.iter().map(|n| n.value()).collect());
     }

@@ -29,6 +29,14 @@ pub(super) fn triangles(mode: Mode, indices: &[u32]) -> Vec<[u32; 3]> {
     }
 }
 
+/// The place of the first index that is not below `count`.
+pub(super) fn first_beyond(indices: &[u32], count: usize) -> Option<usize> {
+    let is_beyond = |&i: &u32| i as usize >= count;
+    // The maximum of a slice is found many at a time, its place is not.
+    let greatest = indices.iter().copied().max()?;
+    is_beyond(&greatest).then(|| indices.iter().position(is_beyond).unwrap_or(0))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -52,5 +60,12 @@ mod tests {
             }
         }
         assert!(!has_triangles(Mode::LineStrip));
+    }
+
+    #[test]
+    fn the_first_index_out_of_range_is_found() {
+        assert_eq!(first_beyond(&[0, 4, 3, 5], 4), Some(1));
+        assert_eq!(first_beyond(&[0, 3], 4), None);
+        assert_eq!(first_beyond(&[], 0), None);
     }
 }

@@ -63,12 +63,13 @@ pub(super) fn camera(
     camera
 }
 
+/// Least distance of the focal point, as a share of the camera's largest coordinate. Both points are rounded to single
+/// precision, each by at most 2^-24 of that coordinate and axis, so this share keeps the view within 2^-12 radians.
+const LEAST_FOCAL_SHARE: f64 = 1e-3;
+
 /// How far away the focal point is put, in world units: beside the middle of the scene where that lies ahead.
-///
-/// It must not be so near that rounding the two points to single precision turns the view: a thousandth of the camera's
-/// distance from the origin leaves an error of 2^-14 radians.
 fn focal_distance(position: DVec3, forward: DVec3, bounds: &Aabb) -> f64 {
-    let least = position.abs().max_element() * 1e-3;
+    let least = position.abs().max_element() * LEAST_FOCAL_SHARE;
     let ahead = if bounds.is_empty() {
         0.0
     } else {

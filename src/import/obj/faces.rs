@@ -24,66 +24,62 @@ pub(super) struct Syntax {
 }
 
 /// Reads the corners of a face into `corners`, up to a comment. `None` if one of them is not made of integers.
-pub(super) fn parse(text: &[u8], corners: &mut Vec<Corner>) -> Option<Syntax> {
+pub(super) fn parse(mut text: &[u8], corners: &mut Vec<Corner>) -> Option<Syntax> {
     corners.clear();
     let mut is_plain = true;
-    let mut at = 0;
     loop {
-        while text.get(at).is_some_and(|&b| is_blank(b)) {
-            at += 1;
-        }
-        match text.get(at) {
-            None => return Some(Syntax { is_plain }),
-            Some(b'#') => return Some(Syntax { is_plain: false }),
+        match text {
+            [] => return Some(Syntax { is_plain }),
+            [b'#', ..] => return Some(Syntax { is_plain: false }),
+            [blank, rest @ ..] if is_blank(*blank) => {
+                text = rest;
+                continue;
+            }
             _ => {}
         }
-        let v = integer(text, &mut at)?;
-        let mut corner = Corner {
-            v,
-            vt: ABSENT,
-            vn: ABSENT,
-        };
-        if text.get(at) == Some(&b'/') {
-            at += 1;
-            corner.vt = optional_integer(text, &mut at)?;
-            if text.get(at) == Some(&b'/') {
-                at += 1;
-                corner.vn = optional_integer(text, &mut at)?;
+        let v = integer(&mut text)?;
+        let (mut vt, mut vn) = (ABSENT, ABSENT);
+        if let [b'/', rest @ ..] = text {
+            text = rest;
+            vt = optional_integer(&mut text)?;
+            if let [b'/', rest @ ..] = text {
+                text = rest;
+                vn = optional_integer(&mut text)?;
             }
         }
-        match text.get(at) {
-            None => {}
-            Some(&b) if is_blank(b) => {}
-            Some(b'#') => is_plain = false,
+        match text {
+            [] => {}
+            [b'#', ..] => is_plain = false,
+            [blank, ..] if is_blank(*blank) => {}
             _ => return None,
         }
-        corners.push(corner);
+        corners.push(Corner { v, vt, vn });
     }
 }
 
-fn optional_integer(text: &[u8], at: &mut usize) -> Option<i64> {
-    match text.get(*at) {
-        Some(b'+' | b'-' | b'0'..=b'9') => integer(text, at),
+fn optional_integer(text: &mut &[u8]) -> Option<i64> {
+    match text {
+        [b'+' | b'-' | b'0'..=b'9', ..] => integer(text),
         _ => Some(ABSENT),
     }
 }
 
 /// An integer; one beyond 10^17 becomes some other that is as far out of range.
-fn integer(text: &[u8], at: &mut usize) -> Option<i64> {
-    let is_negative = match text.get(*at) {
-        Some(sign @ (b'+' | b'-')) => {
-            *at += 1;
-            *sign == b'-'
-        }
-        _ => false,
-    };
-    let start = *at;
-    let mut value = 0_i64;
-    while let Some(digit @ b'0'..=b'9') = text.get(*at) {
-        value = (value * 10 + i64::from(digit - b'0')).min(i64::MAX / 16);
-        *at += 1;
+#[inline]
+fn integer(text: &mut &[u8]) -> Option<i64> {
+    let mut rest = *text;
+    let is_negative = matches!(rest, [b'-', ..]);
+    if let [b'+' | b'-', digits @ ..] = rest {
+        rest = digits;
     }
-    (*at > start).then_some(if is_negative { -value } else { value })
+    let digits = rest.len();
+    let mut value = 0_i64;
+    while let [digit @ b'0'..=b'9', behind @ ..] = rest {
+        value = (value * 10 + i64::from(digit - b'0')).min(i64::MAX / 16);
+        rest = behind;
+    }
+    *text = rest;
+    (rest.len() < digits).then_some(if is_negative { -value } else { value })
 }
 
 /// An index as counted from 1, or `None` for 0 and for one that counts back beyond the first.

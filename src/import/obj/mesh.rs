@@ -11,15 +11,39 @@ use super::reader::Geometry;
 use super::triangulate::{Outcome, Triangulator};
 use crate::scene::{Outline, Part, TriangleMesh};
 
+/// What was odd about the polygons of an object without being a defect.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(super) struct Oddities {
+    /// Polygons that became fans though those may not cover them.
+    pub(super) fanned: u64,
+    /// Corners that stand where the one before them does.
+    pub(super) repeated_corners: u64,
+}
+
+impl Oddities {
+    /// What is to be said of them.
+    pub(super) fn notes(self) -> impl Iterator<Item = String> {
+        let fanned = (self.fanned > 0).then(|| {
+            let text = "polygons that cross themselves, have no plane or more than 32,768 corners are cut as fans from their first corner";
+            format!("{text}: {}", self.fanned)
+        });
+        let repeated = (self.repeated_corners > 0).then(|| {
+            let text = "corners at the place of the one before are left out, each with a triangle of no area";
+            format!("{text}: {}", self.repeated_corners)
+        });
+        fanned.into_iter().chain(repeated)
+    }
+}
+
 /// Builds the mesh of an object. `material_of` gives the scene's material for the index of a `usemtl` name.
-/// Also counts the polygons that could only be fanned.
+/// Also tells what was odd about its polygons.
 pub(super) fn build(
     object: &Object,
     geometry: Geometry,
     color_scale: f32,
     triangulator: &mut Triangulator,
     mut material_of: impl FnMut(Option<u32>) -> u32,
-) -> (TriangleMesh, u64) {
+) -> (TriangleMesh, Oddities) {
     let mut mesh = TriangleMesh {
         name: object.name.clone(),
         positions: geometry
@@ -39,7 +63,7 @@ pub(super) fn build(
         mesh.uv_sets
             .push(geometry.texcoords.chunks_exact(2).map(uv).collect());
     }
-    let mut fanned = 0;
+    let mut oddities = Oddities::default();
     let mut next_corner = 0;
     let mut runs = object.runs.iter().peekable();
     for face in 0..object.face_count {
@@ -58,7 +82,8 @@ pub(super) fn build(
         }
         let first_triangle = mesh.triangles.len() as u32;
         let outcome = triangulator.polygon(corners, &mesh.positions, &mut mesh.triangles);
-        fanned += u64::from(outcome == Outcome::Fanned);
+        oddities.fanned += u64::from(outcome == Outcome::Fanned);
+        oddities.repeated_corners += (arity - triangulator.corners().len()) as u64;
         if triangulator.corners().len() > 3 {
             mesh.outlines.push(Outline {
                 corners: triangulator.corners().into(),
@@ -68,7 +93,7 @@ pub(super) fn build(
         }
     }
     end_part(&mut mesh);
-    (mesh, fanned)
+    (mesh, oddities)
 }
 
 fn begin_part(mesh: &mut TriangleMesh, material: u32) {
@@ -147,10 +172,10 @@ mod tests {
             ..Geometry::default()
         };
         // Two names of one material are one run.
-        let (mesh, fanned) = build(&object, geometry, 1.0, &mut Triangulator::default(), |m| {
+        let (mesh, oddities) = build(&object, geometry, 1.0, &mut Triangulator::default(), |m| {
             u32::from(m == Some(2)) + 5
         });
-        assert_eq!((mesh.validate(), fanned), (Ok(()), 0));
+        assert_eq!((mesh.validate(), oddities), (Ok(()), Oddities::default()));
         assert_eq!(
             (0..4).map(|t| mesh.material_of(t)).collect::<Vec<_>>(),
             [5, 5, 5, 6]

@@ -1,11 +1,12 @@
 //! OBJ with MTL, through the crate `tobj`.
 //!
 //! `text` makes lines of bytes; `prepass` (with `attributes`, `faces`, `objects`, `numbers`, `pieces`) makes of those lines
-//! a text that `tobj` reads without loss; `reader` has `tobj` read it; `mesh` and `triangulate` make meshes of the result.
+//! a text that `tobj` reads without loss; `reader` has `tobj` read it; `mesh`, `triangulate` and `ears` make meshes of the result.
 //! `mtl` does for materials what `prepass` does for geometry, `materials` and `textures` convert them. Each of these says
 //! at its head what it takes for granted where the format is silent.
 
 mod attributes;
+mod ears;
 mod faces;
 mod files;
 mod materials;
@@ -28,6 +29,8 @@ use glam::DAffine3;
 
 use super::ImportError;
 use super::clean::drop_broken_triangles;
+use glam::Vec3;
+
 use crate::scene::{Defect, DefectCause, Instance, Material, Scene, TriangleMesh};
 use mtl::Libraries;
 use notes::Notes;
@@ -67,7 +70,14 @@ pub(super) fn load(file: &Path, bytes: &[u8]) -> Result<Scene, ImportError> {
     }
 
     let folder = file.parent().unwrap_or(Path::new(""));
+    let has_colors = geometry.iter().any(|g| !g.colors.is_empty());
+    let reflectance = if has_colors { 1.0 } else { PLAIN_REFLECTANCE };
+    let plain = Material {
+        base_color: Vec3::splat(reflectance).extend(1.0),
+        ..Material::default()
+    };
     let mut materials = Materials {
+        plain,
         names,
         libraries: Libraries::load(&libraries, folder, &mut notes),
         textures: Textures::default(),
@@ -84,14 +94,11 @@ pub(super) fn load(file: &Path, bytes: &[u8]) -> Result<Scene, ImportError> {
             continue;
         }
         let geometry = geometry.next().unwrap_or_default();
-        let (mut mesh, fanned) =
+        let (mut mesh, oddities) =
             mesh::build(object, geometry, color_scale, &mut triangulator, |name| {
                 materials.index_of(name)
             });
-        if fanned > 0 {
-            let text = format!(
-                "{fanned} polygons cross themselves or have no plane; cut as fans from their first corner"
-            );
+        for text in oddities.notes() {
             notes.element(format!("mesh {:?}", mesh.name), text);
         }
         drop_broken_triangles(&mut mesh, file, &mut scene.defects);
@@ -123,8 +130,14 @@ fn too_few_corners(file: &Path, object: &Object) -> Option<Defect> {
     })
 }
 
+/// Linear reflectance of surfaces of which the file says nothing: plaster, so that a bare scan shows its shape. White
+/// would leave no light for highlights; vertex colours, which multiply it, get it all the same.
+const PLAIN_REFLECTANCE: f32 = 0.65;
+
 /// The materials that faces use, made when first used.
 struct Materials {
+    /// What faces without a known material get.
+    plain: Material,
     names: Vec<Named>,
     libraries: Libraries,
     textures: Textures,
@@ -134,20 +147,20 @@ struct Materials {
 }
 
 impl Materials {
-    /// The scene's material for the index of a `usemtl` name. A name that no MTL has gets the default material, so named.
+    /// The scene's material for the index of a `usemtl` name. A name that no MTL has gets the plain material, so named.
     fn index_of(&mut self, name: Option<u32>) -> u32 {
         if let Some(&index) = self.of_name.get(&name) {
             return index;
         }
         let material = match name.map(|n| &self.names[n as usize].name) {
-            None => Material::default(),
+            None => self.plain.clone(),
             Some(named) => match self.libraries.find(named) {
                 Some((source, mtl)) => materials::convert(source, &mut self.textures, mtl),
                 None => {
                     self.missing.extend(name);
                     Material {
                         name: named.clone(),
-                        ..Material::default()
+                        ..self.plain.clone()
                     }
                 }
             },

@@ -125,14 +125,15 @@ fn cleaned(bytes: &[u8], notes: &mut Notes) -> String {
         }
         let name = decoded(word);
         if name.eq_ignore_ascii_case("newmtl") {
-            is_in_material = !rest.is_empty();
+            let rest = decoded(rest);
+            is_in_material = !rest.trim().is_empty();
             if !is_in_material {
                 notes.line(
                     line.number,
                     "newmtl without a name; it and what follows is left out",
                 );
             } else {
-                let _ = writeln!(out, "newmtl {}", decoded(rest));
+                let _ = writeln!(out, "newmtl {}", rest.trim());
             }
             continue;
         }
@@ -180,7 +181,12 @@ fn statement(word: &str, rest: &[u8]) -> Result<String, &'static str> {
             _ => Err("illum that is no number from 0 to 10 is left out"),
         },
         _ => {
-            if rest.is_empty() {
+            // Foreign blanks, such as U+00A0, are blanks for `tobj`: such a word could turn into another statement.
+            if !word.bytes().all(|b| b.is_ascii_graphic()) {
+                return Err("unknown statements are left out");
+            }
+            let value = decoded(rest);
+            if value.trim().is_empty() {
                 return Err("statement without a value is left out");
             }
             let canonical = match lower.as_str() {
@@ -196,7 +202,7 @@ fn statement(word: &str, rest: &[u8]) -> Result<String, &'static str> {
                 "norm" | "map_kn" => "norm",
                 other => other,
             };
-            Ok(format!("{canonical} {}", decoded(rest)))
+            Ok(format!("{canonical} {}", value.trim()))
         }
     }
 }

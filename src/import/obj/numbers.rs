@@ -9,45 +9,54 @@ use super::text::{is_blank, tokens};
 ///
 /// Plain: an optional sign, digits with an optional point, an optional exponent. Everything that this accepts, `f32`'s
 /// parser accepts.
-pub(super) fn count_plain(text: &[u8]) -> Option<usize> {
+pub(super) fn count_plain(mut text: &[u8]) -> Option<usize> {
     let mut count = 0;
-    let mut at = 0;
-    let digits = |at: &mut usize| {
-        let start = *at;
-        while text.get(*at).is_some_and(u8::is_ascii_digit) {
-            *at += 1;
-        }
-        *at - start
-    };
-    let sign = |at: &mut usize| *at += usize::from(matches!(text.get(*at), Some(b'+' | b'-')));
     loop {
-        while text.get(at).is_some_and(|&b| is_blank(b)) {
-            at += 1;
+        while let [blank, rest @ ..] = text
+            && is_blank(*blank)
+        {
+            text = rest;
         }
-        if at == text.len() {
+        if text.is_empty() {
             return Some(count);
         }
-        sign(&mut at);
-        let mut found = digits(&mut at);
-        if text.get(at) == Some(&b'.') {
-            at += 1;
-            found += digits(&mut at);
+        text = behind_sign(text);
+        let whole = behind_digits(text);
+        let mut has_digits = whole.len() < text.len();
+        text = whole;
+        if let [b'.', rest @ ..] = text {
+            text = behind_digits(rest);
+            has_digits |= text.len() < rest.len();
         }
-        if found == 0 {
+        if !has_digits {
             return None;
         }
-        if let Some(b'e' | b'E') = text.get(at) {
-            at += 1;
-            sign(&mut at);
-            if digits(&mut at) == 0 {
+        if let [b'e' | b'E', rest @ ..] = text {
+            let digits = behind_sign(rest);
+            text = behind_digits(digits);
+            if text.len() == digits.len() {
                 return None;
             }
         }
-        if text.get(at).is_some_and(|&b| !is_blank(b)) {
+        if text.first().is_some_and(|&b| !is_blank(b)) {
             return None;
         }
         count += 1;
     }
+}
+
+fn behind_sign(text: &[u8]) -> &[u8] {
+    match text {
+        [b'+' | b'-', rest @ ..] => rest,
+        _ => text,
+    }
+}
+
+fn behind_digits(mut text: &[u8]) -> &[u8] {
+    while let [b'0'..=b'9', rest @ ..] = text {
+        text = rest;
+    }
+    text
 }
 
 /// The numbers of a statement up to its comment; `None` for each token that is no number.

@@ -104,7 +104,7 @@ impl<'a> Pass<'a, '_> {
             b"o" => self.objects.begin_object(decoded(rest).into_owned()),
             b"g" => self.objects.begin_group(decoded(rest).into_owned()),
             b"usemtl" => self.use_material(rest, line.number),
-            b"mtllib" => self.libraries.push(Named {
+            b"mtllib" if !rest.is_empty() => self.libraries.push(Named {
                 name: decoded(rest).into_owned(),
                 line: line.number,
             }),
@@ -129,7 +129,7 @@ impl<'a> Pass<'a, '_> {
             None => {
                 let index = self.materials.len() as u32;
                 self.material_index.insert(name.to_owned(), index);
-                let name = decoded(name).into_owned();
+                let name = decoded(name).trim().to_owned();
                 self.materials.push(Named { name, line });
                 index
             }
@@ -298,6 +298,7 @@ fn vertex_not_there(file: &Path, line: usize, index: i64, vertices: usize) -> Im
 /// What is said of a statement that makes no face, or `None` if nothing is lost with it.
 fn left_out(word: &[u8]) -> Option<&'static str> {
     Some(match word {
+        b"mtllib" => "mtllib without a name is left out",
         // Smoothing and merging groups, parameter vertices, tags of subdivision surfaces, display attributes of faces.
         b"s" | b"mg" | b"vp" | b"t" | b"bevel" | b"c_interp" | b"d_interp" | b"lod" => return None,
         // Parts of the free-form statements below, and techniques of drawing them.

@@ -4,6 +4,7 @@
 //! CR LF, LF or CR, continue them with a backslash, and name their parts in UTF-8 or Latin-1.
 
 use std::borrow::Cow;
+use std::io::BufRead;
 use std::ops::Range;
 
 /// The file's bytes without byte order mark, with every line ended by LF or CR LF. UTF-16 (with a mark) becomes UTF-8.
@@ -76,15 +77,12 @@ impl<'a> Lines<'a> {
     fn physical(&mut self) -> (&'a [u8], bool) {
         let rest = &self.source[self.next..];
         self.lines_read += 1;
-        match rest.iter().position(|&b| b == b'\n') {
-            Some(length) => {
-                self.next += length + 1;
-                (&rest[..length], true)
-            }
-            None => {
-                self.next = self.source.len();
-                (rest, false)
-            }
+        // The standard library's fast search for a byte; reading from a slice cannot fail.
+        let length = (&mut &*rest).skip_until(b'\n').unwrap_or(rest.len());
+        self.next += length;
+        match rest[..length] {
+            [ref line @ .., b'\n'] => (line, true),
+            ref line => (line, false),
         }
     }
 }

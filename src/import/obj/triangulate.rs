@@ -9,23 +9,19 @@
 //!   back into the triangle beside them, and the triangles are made Delaunay: three corners on a line can be an ear too,
 //!   which only flipping its edge gets rid of;
 //! - where that does not cover the polygon's area, because it crosses itself or has no plane, the fan is taken after all:
-//!   the formats do not say what such a polygon looks like, and so nothing of it is lost.
-
-use std::collections::HashMap;
+//!   the format does not say what such a polygon looks like, and so nothing of it is lost.
 
 use glam::{DVec3, Vec3};
 
-use crate::geometry::tolerance::{COORDINATE_LIMIT, POLYGON_AREA_TOLERANCE};
+use super::ears::Ears;
+use crate::geometry::tolerance::COORDINATE_LIMIT;
 
 /// Triangulates polygons, reusing its memory.
 #[derive(Default)]
 pub(super) struct Triangulator {
     corners: Vec<u32>,
     points: Vec<[f64; 3]>,
-    plane: Vec<[f64; 2]>,
-    ears: earcut::Earcut<f64>,
-    refiner: earcut::Refiner,
-    cut: Vec<u32>,
+    ears: Ears,
 }
 
 /// What became of a polygon.
@@ -33,7 +29,7 @@ pub(super) struct Triangulator {
 pub(super) enum Outcome {
     /// Its triangles cover it.
     Covered,
-    /// It crosses itself or has no plane; it became a fan.
+    /// It crosses itself, has no plane or has very many corners; it became a fan.
     Fanned,
 }
 
@@ -76,61 +72,29 @@ impl Triangulator {
             return fan(&self.corners, broken, triangles, Outcome::Covered);
         }
         let origin = at(self.corners[0]).as_dvec3();
+        let point = |v: u32| at(v).as_dvec3() - origin;
+        if let [a, b, c, d] = self.corners[..]
+            && let Some(halves) = quad([a, b, c, d].map(point), [a, b, c, d])
+        {
+            triangles.extend(halves);
+            return Outcome::Covered;
+        }
         self.points.clear();
-        self.points.extend(
-            self.corners
-                .iter()
-                .map(|&v| (at(v).as_dvec3() - origin).to_array()),
-        );
+        self.points
+            .extend(self.corners.iter().map(|&v| point(v).to_array()));
         let normal = newell_normal(&self.points);
-        if let [a, b, c, d] = self.corners[..] {
-            let points = [0, 1, 2, 3].map(|i| DVec3::from_array(self.points[i]));
-            if let Some(halves) = quad(points, normal, [a, b, c, d]) {
-                triangles.extend(halves);
-                return Outcome::Covered;
-            }
-        } else if is_fan(&self.points, normal) {
+        if self.corners.len() > 4 && is_fan(&self.points, normal) {
             return fan(&self.corners, 0, triangles, Outcome::Covered);
         }
-        if !self.cut_ears() {
+        let Some(ears) = self.ears.cut(&self.points) else {
             return fan(&self.corners, 0, triangles, Outcome::Fanned);
-        }
+        };
         let corners = &self.corners;
         triangles.extend(
-            self.cut
-                .chunks_exact(3)
+            ears.chunks_exact(3)
                 .map(|t| [t[0], t[1], t[2]].map(|i| corners[i as usize])),
         );
         Outcome::Covered
-    }
-
-    /// Cuts the ears of `points` into `cut`, as indices of corners. Whether they cover the polygon.
-    fn cut_ears(&mut self) -> bool {
-        let count = self.points.len();
-        if !earcut::utils3d::project3d_to_2d(&self.points, count, &mut self.plane) {
-            return false;
-        }
-        self.ears.earcut_slice(&self.plane, &[], &mut self.cut);
-        let area = |i: u32, j: u32, k: u32| {
-            let [a, b, c] = [i, j, k].map(|i| self.plane[i as usize]);
-            (b[0] - a[0]) * (c[1] - a[1]) - (c[0] - a[0]) * (b[1] - a[1])
-        };
-        let whole: f64 = (1..count as u32 - 1).map(|i| area(0, i, i + 1)).sum();
-        // The projection keeps the polygon counter-clockwise; ears may be cut the other way round.
-        let mut covered = 0.0;
-        for ear in self.cut.chunks_exact_mut(3) {
-            let signed = area(ear[0], ear[1], ear[2]);
-            if signed < 0.0 {
-                ear.swap(1, 2);
-            }
-            covered += signed.abs();
-        }
-        let is_covered = (covered - whole).abs() <= POLYGON_AREA_TOLERANCE * whole.abs()
-            && put_back_skipped(&mut self.cut, count as u32);
-        if is_covered {
-            self.refiner.refine(&mut self.cut, &self.plane);
-        }
-        is_covered
     }
 }
 
@@ -165,7 +129,9 @@ fn fan(corners: &[u32], apex: usize, triangles: &mut Vec<[u32; 3]>, outcome: Out
 
 /// The halves of a quad along the shorter of the diagonals that lie inside; the one from the first corner if they are as
 /// long. `None` if none does.
-fn quad([a, b, c, d]: [DVec3; 4], normal: DVec3, corners: [u32; 4]) -> Option<[[u32; 3]; 2]> {
+fn quad([a, b, c, d]: [DVec3; 4], corners: [u32; 4]) -> Option<[[u32; 3]; 2]> {
+    // The diagonals' product is Newell's sum for four corners.
+    let normal = (c - a).cross(d - b);
     let turns = |p: DVec3, q: DVec3, r: DVec3| (q - p).cross(r - p).dot(normal) > 0.0;
     let along_ac = turns(a, b, c) && turns(a, c, d);
     let along_bd = turns(a, b, d) && turns(b, c, d);
@@ -177,57 +143,6 @@ fn quad([a, b, c, d]: [DVec3; 4], normal: DVec3, corners: [u32; 4]) -> Option<[[
         (true, false) => Some([[a, b, c], [a, c, d]]),
         _ => Some([[a, b, d], [b, c, d]]),
     }
-}
-
-/// Puts the corners that no triangle uses into the triangle at the straight line on which they lie. Whether there is a
-/// place for every one, so that there are `count - 2` triangles.
-fn put_back_skipped(cut: &mut Vec<u32>, count: u32) -> bool {
-    if cut.len() as u32 == 3 * (count - 2) {
-        return true;
-    }
-    let mut is_used = vec![false; count as usize];
-    cut.iter().for_each(|&i| is_used[i as usize] = true);
-    let Some(start) = is_used.iter().position(|&used| used) else {
-        return false;
-    };
-    let mut triangle_at_edge: HashMap<(u32, u32), usize> = HashMap::new();
-    let add = |map: &mut HashMap<(u32, u32), usize>, at: usize, [a, b, c]: [u32; 3]| {
-        map.extend([((a, b), at), ((b, c), at), ((c, a), at)]);
-    };
-    for (at, t) in cut.chunks_exact(3).enumerate() {
-        add(&mut triangle_at_edge, 3 * at, [t[0], t[1], t[2]]);
-    }
-    // Walk round once, from a used corner to the next used one.
-    let mut from = start as u32;
-    let mut skipped = Vec::new();
-    for step in 1..=count {
-        let corner = (start as u32 + step) % count;
-        if !is_used[corner as usize] {
-            skipped.push(corner);
-            continue;
-        }
-        for &corner_between in &skipped {
-            let Some(&at) = triangle_at_edge.get(&(from, corner)) else {
-                return false;
-            };
-            let Some(third) = (0..3).find(|&i| cut[at + i] != from && cut[at + i] != corner) else {
-                return false;
-            };
-            let apex = cut[at + third];
-            cut[at..at + 3].copy_from_slice(&[from, corner_between, apex]);
-            add(&mut triangle_at_edge, at, [from, corner_between, apex]);
-            add(
-                &mut triangle_at_edge,
-                cut.len(),
-                [corner_between, corner, apex],
-            );
-            cut.extend([corner_between, corner, apex]);
-            from = corner_between;
-        }
-        skipped.clear();
-        from = corner;
-    }
-    cut.len() as u32 == 3 * (count - 2)
 }
 
 #[cfg(test)]

@@ -1,0 +1,7 @@
+//! glTF files as they should be and as they should not, through the public loader.
+
+mod files;
+mod materials;
+mod meshes;
+mod model;
+mod nodes;

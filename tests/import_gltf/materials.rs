@@ -1,0 +1,128 @@
+//! Textures and images, and what becomes of materials whose images are missing.
+
+use base64::Engine;
+use base64::prelude::BASE64_STANDARD;
+use bspray::scene::{AlphaMode, Wrap};
+use glam::Vec2;
+use serde_json::json;
+
+use crate::model::*;
+
+#[test]
+fn texture_transforms_reach_every_slot() {
+    let map =
+        json!({"KHR_texture_transform": {"offset": [0.25, 0.5], "scale": [2, 4], "texCoord": 3}});
+    let info = json!({"index": 0, "texCoord": 1, "extensions": map});
+    let scene = good(|m| {
+        m["images"] = json!([{"uri": format!("data:image/png;base64,{PNG}")}]);
+        m["samplers"] = json!([{"wrapS": 33071, "wrapT": 33648}]);
+        m["textures"] = json!([{"source": 0, "sampler": 0}]);
+        m["materials"] = json!([{
+            "pbrMetallicRoughness": {"baseColorTexture": info, "metallicRoughnessTexture": info},
+            "normalTexture": info, "occlusionTexture": info, "emissiveTexture": {"index": 0},
+            "extensions": {"KHR_materials_clearcoat": {"clearcoatNormalTexture": info}, "KHR_materials_volume": {"thicknessTexture": info}},
+            "alphaMode": "MASK", "alphaCutoff": 0.25, "doubleSided": true,
+        }]);
+        m["meshes"][0]["primitives"][0]["material"] = json!(0);
+    });
+    let m = &scene.materials[0];
+    let slots = [
+        m.base_color_texture,
+        m.metallic_roughness_texture,
+        m.normal_texture,
+        m.occlusion_texture,
+        m.clearcoat.and_then(|c| c.normal_texture),
+        m.volume.and_then(|v| v.thickness_texture),
+    ];
+    for slot in slots {
+        let slot = slot.expect("there");
+        assert_eq!(slot.uv_set, 3);
+        assert_eq!(slot.map(Vec2::new(0.5, 0.25)), Vec2::new(1.25, 1.5));
+    }
+    assert_eq!(m.emissive_texture.map(|t| t.uv_set), Some(0));
+    assert_eq!(
+        (m.alpha_mode, m.double_sided),
+        (AlphaMode::Mask { cutoff: 0.25 }, true)
+    );
+    assert_eq!(
+        (scene.textures[0].wrap_u, scene.textures[0].wrap_v),
+        (Wrap::ClampToEdge, Wrap::MirroredRepeat)
+    );
+    assert_eq!((scene.images[0].width, scene.images[0].height), (1, 1));
+}
+
+#[test]
+fn images_that_cannot_be_had_leave_their_materials() {
+    let uris = [
+        "gone.png",
+        "%FF.png",
+        "http://example.com/a.png",
+        "data:image/png;base64,AAAA",
+        "a%20b.png",
+    ];
+    let model = {
+        let mut m = triangle();
+        let images = uris.iter().map(|u| json!({"uri": u}));
+        m["images"] = images
+            .chain([json!({"bufferView": 77, "mimeType": "image/png"})])
+            .collect();
+        let textures = (0..6).map(|i| json!({"source": i}));
+        m["textures"] = textures
+            .chain([
+                json!({"extensions": {"KHR_texture_basisu": {"source": 0}}}),
+                json!({"source": 50}),
+            ])
+            .collect();
+        m["materials"] = (0..8)
+            .map(|i| json!({"pbrMetallicRoughness": {"baseColorTexture": {"index": i}}}))
+            .collect();
+        let primitives = (0..8).map(|i| json!({"attributes": {"POSITION": 0}, "material": i}));
+        m["meshes"][0]["primitives"] = primitives.collect();
+        m
+    };
+    let directory = tempfile::tempdir().expect("a temporary directory");
+    let png = BASE64_STANDARD.decode(PNG).expect("base64");
+    std::fs::write(directory.path().join("a b.png"), png).expect("written");
+    let scene =
+        load_in(directory.path(), "model.gltf", model.to_string().as_bytes()).expect("loads");
+    let kept: Vec<usize> = (0..8)
+        .filter(|&i| scene.materials[i].base_color_texture.is_some())
+        .collect();
+    assert_eq!(kept, [4]);
+    assert_eq!(scene.images.len(), 6);
+    for words in [
+        "image 0: left out of its materials: cannot read",
+        "image 1: left out of its materials: cannot read",
+        "image 2: left out of its materials: \"http://example.com/a.png\" has a scheme",
+        "image 3: left out of its materials: cannot be decoded",
+        "image 5: left out of its materials: buffer view 77 is not there",
+        "texture 6: left out of its materials: it has no image of a kind that is read",
+        "texture 7: left out of its materials: its image is not there",
+    ] {
+        assert!(
+            has_note(&scene, words),
+            "no {words:?} in {:#?}",
+            scene.notes
+        );
+    }
+}
+
+#[test]
+fn only_images_that_show_are_decoded() {
+    let scene = good(|m| {
+        let uri = format!("data:image/png;base64,{PNG}");
+        m["images"] = json!([{"uri": uri}, {"uri": uri, "name": "bumps"}, {"uri": "nobody.png"}, {"uri": "gone.png"}]);
+        m["textures"] = json!([{"source": 0}, {"source": 1}, {"source": 3}]);
+        m["materials"] = json!([
+            {"emissiveTexture": {"index": 0}, "normalTexture": {"index": 1}, "occlusionTexture": {"index": 2}},
+        ]);
+        m["meshes"][0]["primitives"][0]["material"] = json!(0);
+    });
+    let decoded: Vec<bool> = scene.images.iter().map(|i| i.pixels.is_some()).collect();
+    assert_eq!(decoded, [true, false, false, false]);
+    assert_eq!(scene.images[1].name, "bumps");
+    let material = &scene.materials[0];
+    assert!(material.normal_texture.is_some() && material.occlusion_texture.is_none());
+    assert_eq!(scene.notes.len(), 1, "{:?}", scene.notes);
+    assert!(has_note(&scene, "image 3: left out"));
+}

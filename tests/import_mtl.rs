@@ -1,0 +1,282 @@
+//! What the OBJ importer owes to materials and textures.
+
+#![allow(
+    clippy::unwrap_used,
+    clippy::float_cmp,
+    reason = "a test may panic, and compares values that are exact by construction"
+)]
+
+use bspray::import::{self, ImportError};
+use bspray::scene::{AlphaMode, Material, Pixels, Scene, Wrap};
+use glam::{Vec2, Vec3, Vec4};
+
+/// Three vertices of a right triangle with legs 2 and 1, and a fourth that makes a rectangle.
+const V: &str = "v 0 0 0\nv 2 0 0\nv 2 1 0\nv 0 1 0\n";
+
+/// Loads the first of some files; they lie in one folder.
+fn load_files(files: &[(&str, &[u8])]) -> Result<Scene, ImportError> {
+    let folder = tempfile::tempdir().unwrap();
+    for (name, bytes) in files {
+        std::fs::write(folder.path().join(name), bytes).unwrap();
+    }
+    let scene = import::load(&[folder.path().join(files[0].0)])?;
+    for mesh in &scene.meshes {
+        assert_eq!(mesh.validate(), Ok(()));
+    }
+    Ok(scene)
+}
+
+fn load_with_mtl(obj: &str, mtl: &str) -> Scene {
+    load_files(&[("model.obj", obj.as_bytes()), ("a.mtl", mtl.as_bytes())]).unwrap()
+}
+
+/// A triangle, with a material of the MTL given.
+fn material(mtl: &str) -> (Scene, Material) {
+    let scene = load_with_mtl(&format!("mtllib a.mtl\n{V}usemtl m\nf 1 2 3\n"), mtl);
+    let material = scene.materials[0].clone();
+    (scene, material)
+}
+
+fn notes(scene: &Scene) -> Vec<String> {
+    scene
+        .notes
+        .iter()
+        .map(|n| format!("{}: {}", n.element, n.text))
+        .collect()
+}
+
+fn png(rgba: [u8; 4]) -> Vec<u8> {
+    let mut bytes = std::io::Cursor::new(Vec::new());
+    let image = image::RgbaImage::from_pixel(2, 3, image::Rgba(rgba));
+    image.write_to(&mut bytes, image::ImageFormat::Png).unwrap();
+    bytes.into_inner()
+}
+
+#[test]
+fn materials_are_runs_and_carry_over() {
+    let text = format!(
+        "mtllib a.mtl\n{V}usemtl red one\no A\nf 1 2 3 4\nusemtl blue\nusemtl red one\nf 1 2 3\nusemtl\tblue\nf 1 2 3\no B\nf 1 2 3\n"
+    );
+    let scene = load_with_mtl(
+        &text,
+        "newmtl blue\nKd 0 0 1\nnewmtl\tred one\nKd 1 0 0\nnewmtl unused\n",
+    );
+    assert_eq!(
+        scene.materials.iter().map(|m| &*m.name).collect::<Vec<_>>(),
+        ["red one", "blue"]
+    );
+    assert_eq!(scene.materials[1].base_color, Vec4::new(0.0, 0.0, 1.0, 1.0));
+    let parts: Vec<_> = scene.meshes[0]
+        .parts
+        .iter()
+        .map(|p| (p.first_triangle, p.triangle_count, p.material))
+        .collect();
+    assert_eq!(parts, [(0, 3, 0), (3, 1, 1)]);
+    assert_eq!(scene.material_of(1, 0), 1);
+    assert!(scene.notes.is_empty());
+}
+
+#[test]
+fn missing_materials_keep_their_runs() {
+    // tobj makes one model of this, without materials.
+    let text =
+        format!("mtllib not there.mtl\n{V}usemtl red\nf 1 2 3\nusemtl blue\nf 1 3 4\nf 1 2 4\n");
+    let scene = load_files(&[("model.obj", text.as_bytes())]).unwrap();
+    assert_eq!(
+        scene.materials.iter().map(|m| &*m.name).collect::<Vec<_>>(),
+        ["red", "blue"]
+    );
+    assert_eq!([0, 1, 2].map(|t| scene.material_of(0, t)), [0, 1, 1]);
+    let notes = notes(&scene);
+    assert_eq!(notes.len(), 3);
+    assert!(
+        notes[0].contains("\"not\"") && notes[2].contains("material \"red\" and 1 more"),
+        "{notes:?}"
+    );
+}
+
+#[test]
+fn libraries_are_found_as_they_are_written() {
+    let mtl = b"newmtl m\nKd 0 1 0\n";
+    for line in [
+        "mtllib my mat.mtl",
+        "mtllib\tmy mat.mtl",
+        "mtllib x.mtl a.mtl",
+        "mtllib a.mtl # c",
+        "mtllib A.MTL",
+        "mtllib .\\a.mtl",
+        "mtllib C:\\models\\a.mtl",
+        "mtllib x.mtl\nmtllib a.mtl",
+        "mtllib \"my mat.mtl\"",
+    ] {
+        let obj = format!("{line}\n{V}usemtl m\nf 1 2 3\n");
+        let scene = load_files(&[
+            ("model.obj", obj.as_bytes()),
+            ("my mat.mtl", mtl),
+            ("a.mtl", mtl),
+        ])
+        .unwrap();
+        assert_eq!(
+            scene.materials[0].base_color,
+            Vec4::new(0.0, 1.0, 0.0, 1.0),
+            "{line}"
+        );
+    }
+}
+
+#[test]
+fn one_bad_line_of_an_mtl_costs_only_itself() {
+    // tobj panics on the first and loses all materials for the second.
+    for bad in [
+        "Kd 0.8",
+        "Kd spectral a.rfl",
+        "Kd 1",
+        "Ns",
+        "illum x",
+        "map_Kd",
+        "d",
+        "Kd a b c",
+        "newmtl",
+    ] {
+        let (_, material) = material(&format!(
+            "newmtl other\n{bad}\nnewmtl m\nKd 0.5 0.25 1\nNi 2\n"
+        ));
+        assert_eq!(
+            (material.base_color, material.ior),
+            (Vec4::new(0.5, 0.25, 1.0, 1.0), 2.0),
+            "{bad}"
+        );
+    }
+    let (scene, grey) = material("newmtl m\nKd 0.75\nNs x\n");
+    assert_eq!(grey.base_color, Vec4::new(0.75, 0.75, 0.75, 1.0));
+    assert!(
+        scene.notes[0].to_string().contains("a.mtl: line 3: "),
+        "{}",
+        scene.notes[0]
+    );
+}
+
+#[test]
+fn phong_numbers_are_mapped() {
+    let (_, m) =
+        material("newmtl m\nKd 0.5 0.5 0.5\nKs 0.25 0.25 0.25\nNs 30\nNi 1.25\nillum 2\nTr 0.25\n");
+    assert_eq!(
+        (m.base_color.w, m.alpha_mode, m.ior),
+        (0.75, AlphaMode::Blend, 1.25)
+    );
+    assert_eq!(m.specular.unwrap().color, Vec3::splat(0.5));
+    assert!((m.roughness - (1.0_f32 / 16.0).sqrt().sqrt()).abs() < 1e-6);
+    let (_, matte) = material("newmtl m\nKs 1 1 1\nillum 1\n");
+    assert_eq!(matte.specular.unwrap().factor, 0.0);
+    let (_, mirror) = material("newmtl m\nKd 0 0 0\nKs 0.9 0.8 0.7\nillum 3\n");
+    assert_eq!(
+        (mirror.metallic, mirror.base_color),
+        (1.0, Vec4::new(0.9, 0.8, 0.7, 1.0))
+    );
+    let (_, glass) = material("newmtl m\nKd 0 0 0\nTf 0.5 1 1\nNi 1.33\nillum 7\n");
+    assert_eq!((glass.transmission.unwrap().factor, glass.ior), (1.0, 1.33));
+    assert_eq!(glass.base_color, Vec4::new(0.5, 1.0, 1.0, 1.0));
+    let (_, physical) = material("newmtl m\nPr 0.25\nPm 1\nPc 0.5\nPcr 0.1\nPs 0.2\nKe 3 2 1\n");
+    assert_eq!((physical.roughness, physical.metallic), (0.25, 1.0));
+    assert_eq!(
+        physical.clearcoat.map(|c| (c.factor, c.roughness)),
+        Some((0.5, 0.1))
+    );
+    assert_eq!(
+        (physical.sheen.unwrap().color, physical.emissive),
+        (Vec3::splat(0.2), Vec3::new(3.0, 2.0, 1.0))
+    );
+    let (scene, lamp) = material("newmtl m\nKa 20 19 18\n");
+    assert_eq!(
+        (lamp.emissive, scene.notes.len()),
+        (Vec3::new(20.0, 19.0, 18.0), 1)
+    );
+    let (_, plain) = material("newmtl m\nKa 1 1 1\n");
+    assert_eq!(plain.emissive, Vec3::ZERO);
+}
+
+#[test]
+fn textures_are_found_decoded_and_shared() {
+    let mtl = "newmtl m\nmap_Kd -s 2 3 1 -o 0.5 0.25 my Tex.png\nmap_d -clamp on mask.png\nmap_Bump -bm 0.3 bump.png\nmap_Ke MY tex.png\n\
+               newmtl n\nmap_Kd my Tex.png\n";
+    let obj = format!("mtllib a.mtl\n{V}usemtl m\nf 1 2 3\nusemtl n\nf 1 3 4\n");
+    let (red, grey) = (png([255, 0, 0, 255]), png([9, 9, 9, 255]));
+    let files: [(&str, &[u8]); 5] = [
+        ("model.obj", obj.as_bytes()),
+        ("a.mtl", mtl.as_bytes()),
+        ("my Tex.png", &red),
+        ("mask.png", &grey),
+        ("bump.png", b"not read"),
+    ];
+    let scene = load_files(&files).unwrap();
+    assert!(scene.notes.is_empty(), "{:?}", scene.notes);
+    assert_eq!(
+        scene
+            .images
+            .iter()
+            .map(|i| (&*i.name, i.width, i.height))
+            .collect::<Vec<_>>(),
+        [("my Tex.png", 2, 3), ("mask.png", 2, 3), ("bump.png", 0, 0)]
+    );
+    assert_eq!(
+        scene.images[0].pixels,
+        Some(Pixels::Rgba8(vec![[255, 0, 0, 255]; 6]))
+    );
+    assert_eq!(scene.textures.len(), 3);
+    let [m, n] = &scene.materials[..] else {
+        panic!()
+    };
+    assert_eq!(
+        m.base_color_texture.unwrap().texture,
+        n.base_color_texture.unwrap().texture
+    );
+    // OBJ's (0, 0), our (0, 1), is looked up at OBJ's (0.5, 0.25), our (0.5, 0.75).
+    assert_eq!(
+        m.base_color_texture.unwrap().map(Vec2::Y),
+        Vec2::new(0.5, 0.75)
+    );
+    assert_eq!(
+        scene.textures[m.opacity_texture.unwrap().texture as usize].wrap_u,
+        Wrap::ClampToEdge
+    );
+    assert_eq!((m.alpha_mode, m.emissive), (AlphaMode::Blend, Vec3::ONE));
+    assert_eq!(m.bump.unwrap().scale, 0.3);
+}
+
+#[test]
+fn alpha_of_one_image_counts_once() {
+    let obj = format!("mtllib a.mtl\n{V}usemtl m\nf 1 2 3\n");
+    let mtl = b"newmtl m\nmap_Kd leaf.png\nmap_d leaf.png\n";
+    for (alpha, is_separate) in [(128, false), (255, true)] {
+        let leaf = png([0, 255, 0, alpha]);
+        let scene = load_files(&[
+            ("model.obj", obj.as_bytes()),
+            ("a.mtl", mtl),
+            ("leaf.png", &leaf),
+        ])
+        .unwrap();
+        assert_eq!(scene.materials[0].alpha_mode, AlphaMode::Blend);
+        assert_eq!(scene.materials[0].opacity_texture.is_some(), is_separate);
+    }
+}
+
+#[test]
+fn textures_that_cannot_be_read_are_left_out() {
+    let obj = format!("mtllib a.mtl\n{V}usemtl m\nf 1 2 3\n");
+    let mtl = b"newmtl m\nKd 0.5 0.5 0.5\nmap_Kd broken.png\nnorm missing.png\n";
+    let scene = load_files(&[
+        ("model.obj", obj.as_bytes()),
+        ("a.mtl", mtl),
+        ("broken.png", b"\x89PNG no"),
+    ])
+    .unwrap();
+    assert_eq!(scene.materials[0].texture_refs().count(), 0);
+    assert!(scene.images.is_empty() && scene.textures.is_empty());
+    let notes = notes(&scene);
+    assert!(
+        notes.len() == 2
+            && notes[0].contains("cannot be read")
+            && notes[1].contains("is not there"),
+        "{notes:?}"
+    );
+}
