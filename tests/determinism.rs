@@ -233,12 +233,10 @@ fn prefix(scene: &Scene, options: &RenderOptions, samples: impl Fn(usize) -> u32
     let accelerator = AcceleratorKind::Bvh2.build(scene);
     let stage = Stage::new(scene, &*accelerator, Vec3::Y, SkyMode::On);
     let camera = scene.cameras[0].frame(SIZE.0, SIZE.1).expect("a camera");
-    let filter = options.filter.sampler();
     let pixel = PixelRenderer {
         stage: &stage,
         camera: &camera,
         options,
-        filter: &filter,
     };
     let mut tracer = Tracer::new(&*accelerator, false);
     let one = |(index, (x, y)): (usize, (u32, u32))| {

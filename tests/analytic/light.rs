@@ -62,7 +62,7 @@ fn sun() -> (DVec3, DVec3, f64) {
     let direction = DVec3::new(-0.45, 1.0, 0.55).normalize();
     (
         direction,
-        DVec3::new(1.70, 1.60, 1.45),
+        DVec3::new(2.10, 1.98, 1.80),
         1.5_f64.to_radians(),
     )
 }

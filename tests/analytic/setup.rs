@@ -71,12 +71,10 @@ pub(crate) fn sampled(scene: &Scene, sky: SkyMode, samples: u32) -> (DVec3, DVec
     };
     let accelerator = AcceleratorKind::Bvh2.build(scene);
     let stage = Stage::new(scene, &*accelerator, Vec3::Y, sky);
-    let filter = options.filter.sampler();
     let pixel = PixelRenderer {
         stage: &stage,
         camera: &scene.cameras[0].frame(1, 1).expect("a camera"),
         options: &options,
-        filter: &filter,
     };
     let mut tracer = Tracer::new(&*accelerator, false);
     let (mut sum, mut squares) = (DVec3::ZERO, DVec3::ZERO);
