@@ -3,6 +3,7 @@
 use std::io::{BufRead, BufReader, Read};
 use std::path::Path;
 use std::process::{Command, ExitStatus, Stdio};
+use std::sync::mpsc::{self, RecvTimeoutError};
 use std::time::{Duration, Instant};
 
 use bspray::picture::{Attribute, Samples, exr, read_image};
@@ -45,16 +46,28 @@ fn interrupted(folder: &Path, signal: &str, wait: Duration) -> Ended {
         .args(["-s", signal, &child.id().to_string()])
         .status();
     assert!(killed.expect("there is a kill").success());
+    let (ended, has_ended) = mpsc::channel::<()>();
+    let id = child.id().to_string();
+    let watchdog = std::thread::spawn(move || {
+        // Should it not stop, the test must.
+        if has_ended.recv_timeout(5 * LIMIT) == Err(RecvTimeoutError::Timeout) {
+            let _ = Command::new("kill").args(["-s", "KILL", &id]).status();
+        }
+    });
     lines.read_to_string(&mut stderr).expect("text");
     let mut stdout = String::new();
     let mut pipe = child.stdout.take().expect("piped");
     pipe.read_to_string(&mut stdout).expect("text");
+    let took = sent.elapsed();
+    // Its id is its own until it is waited for.
+    drop(ended);
+    watchdog.join().expect("the watchdog ends");
     let status = child.wait().expect("it ends");
     Ended {
         status,
         stdout,
         stderr,
-        took: sent.elapsed(),
+        took,
     }
 }
 

@@ -1,0 +1,288 @@
+//! Real models that nobody on this project made: each loads, has the triangles that its list says, and renders; or says in one
+//! line why not.
+//!
+//! The models lie in `../shared/models` beside this repository, with the list in their README.md. Where they are not there, nothing
+//! is tested.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::path::{Path, PathBuf};
+
+use bspray::accel::AcceleratorKind;
+use bspray::import;
+use bspray::render::{
+    CameraWishes, Integrator, PixelFilter, PixelRect, RenderOptions, SkyMode, Stage, frame_scene,
+    render,
+};
+use bspray::scene::Scene;
+use glam::Vec3;
+use rayon::prelude::*;
+
+/// What the list says of a model.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Listed {
+    /// Triangles of its meshes.
+    triangles: u64,
+    /// Triangles as placed.
+    placed: u64,
+}
+
+/// Files that give no scene, a word of the reason that they must tell, and why that is right.
+const REFUSED: &[(&str, &str, &str)] = &[
+    (
+        "gltf/chess-board-draco.glb",
+        "KHR_draco_mesh_compression",
+        "requires a compression that is not supported",
+    ),
+    (
+        "gltf/khronos/Duck/draco/Duck.gltf",
+        "KHR_draco_mesh_compression",
+        "requires a compression that is not supported",
+    ),
+    (
+        "gltf/BoxMeshopt/BoxMeshopt.gltf",
+        "EXT_meshopt_compression",
+        "requires a compression that is not supported",
+    ),
+    (
+        "gltf/BoxMeshopt/BoxMeshopt.glb",
+        "EXT_meshopt_compression",
+        "requires a compression that is not supported",
+    ),
+    (
+        "obj/awkward/issue-140-zero-face-idx.obj",
+        "vertex 0",
+        "faces count from 1",
+    ),
+    (
+        "obj/awkward/number_formats.obj",
+        "without area",
+        "its one triangle has its corners on a line",
+    ),
+    (
+        "obj/awkward/zero_area_face.obj",
+        "without area",
+        "its one triangle has no area",
+    ),
+    (
+        "obj/awkward/inf_nan.obj",
+        "not a finite number",
+        "its one triangle has infinite and undefined corners",
+    ),
+];
+
+/// Files of which fewer triangles are kept and dropped than the list counts by fanning each polygon: how many fewer, and why.
+const MERGED: &[(&str, u64, &str)] = &[
+    (
+        "obj/ficus/ficus.obj",
+        6406,
+        "so many quads have two neighbouring corners at one place, and are triangles",
+    ),
+    (
+        "obj/peterbilt/peterbilt.obj",
+        4,
+        "so many polygons name one corner twice in a row",
+    ),
+];
+
+/// Files whose placed triangles are not those of the list: how many there are, and why.
+const PLACED_OTHERWISE: &[(&str, u64, &str)] = &[(
+    "gltf/khronos/SimpleInstancing/SimpleInstancing.gltf",
+    12,
+    "EXT_mesh_gpu_instancing is optional and not supported: each node shows its mesh once",
+)];
+
+fn folder() -> Option<PathBuf> {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/models");
+    if folder.join("README.md").is_file() {
+        return Some(folder);
+    }
+    eprintln!("skipped: there are no models in {}", folder.display());
+    None
+}
+
+/// The tables of the list: rows of file, size, vertices and triangles (`18 (24 placed)`).
+fn listed(readme: &str) -> BTreeMap<String, Listed> {
+    let number = |text: &str| text.replace(',', "").parse::<u64>().ok();
+    let row = |line: &str| {
+        let mut cells = line.strip_prefix("| `")?.split(" | ");
+        let file = cells.next()?.strip_suffix('`')?;
+        let count = cells.nth(2)?;
+        let (triangles, placed) = match count.split_once(" (") {
+            Some((all, placed)) => (number(all)?, number(placed.strip_suffix(" placed)")?)?),
+            None => (number(count)?, number(count)?),
+        };
+        Some((file.to_owned(), Listed { triangles, placed }))
+    };
+    readme.lines().filter_map(row).collect()
+}
+
+/// Model files below a folder, as paths relative to `root` with slashes.
+fn models_below(root: &Path, folder: &Path, found: &mut BTreeSet<String>) {
+    for entry in std::fs::read_dir(folder).expect("a folder") {
+        let path = entry.expect("an entry").path();
+        if path.is_dir() {
+            models_below(root, &path, found);
+        } else if path
+            .extension()
+            .is_some_and(|e| ["obj", "gltf", "glb"].iter().any(|x| e == *x))
+        {
+            let relative = path.strip_prefix(root).expect("below the root");
+            found.insert(relative.to_string_lossy().replace('\\', "/"));
+        }
+    }
+}
+
+fn exception<T: Copy>(table: &[(&str, T, &str)], file: &str) -> Option<T> {
+    table.iter().find(|row| row.0 == file).map(|row| row.1)
+}
+
+#[test]
+fn the_list_and_the_exceptions_are_of_the_files_that_are_there() {
+    let Some(folder) = folder() else { return };
+    let list = listed(&std::fs::read_to_string(folder.join("README.md")).unwrap());
+    let mut found = BTreeSet::new();
+    models_below(&folder, &folder, &mut found);
+    assert_eq!(list.keys().cloned().collect::<BTreeSet<_>>(), found);
+    assert!(found.len() >= 74, "{}", found.len());
+    let excepted = REFUSED.iter().map(|row| row.0);
+    let excepted = excepted
+        .chain(MERGED.iter().map(|row| row.0))
+        .chain(PLACED_OTHERWISE.iter().map(|row| row.0));
+    for file in excepted {
+        assert!(found.contains(file), "{file} is no model");
+    }
+}
+
+#[test]
+fn every_model_has_its_triangles_and_renders_or_says_why_not() {
+    let Some(folder) = folder() else { return };
+    let list = listed(&std::fs::read_to_string(folder.join("README.md")).unwrap());
+    let complaints: Vec<String> = list
+        .par_iter()
+        .flat_map_iter(|(file, listed)| {
+            let path = folder.join(file);
+            let found = match import::load(std::slice::from_ref(&path)) {
+                Ok(scene) => check_scene(file, &scene, *listed),
+                Err(error) => check_error(file, &path, &error.to_string()),
+            };
+            found
+                .into_iter()
+                .map(move |words| format!("{file}: {words}"))
+        })
+        .collect();
+    assert!(complaints.is_empty(), "\n{}", complaints.join("\n"));
+}
+
+fn check_error(file: &str, path: &Path, error: &str) -> Vec<String> {
+    let mut complaints = Vec::new();
+    match exception(REFUSED, file) {
+        None => complaints.push(format!("does not load: {error}")),
+        Some(word) if !error.contains(word) => {
+            complaints.push(format!("does not say {word:?}: {error}"));
+        }
+        Some(_) => {}
+    }
+    let start = format!("{}: ", path.display());
+    // Behind the file come element and cause.
+    if error.lines().count() != 1
+        || error
+            .strip_prefix(&start)
+            .is_none_or(|rest| !rest.contains(": "))
+    {
+        complaints.push(format!("not a line of file, element and cause: {error}"));
+    }
+    complaints
+}
+
+fn check_scene(file: &str, scene: &Scene, listed: Listed) -> Vec<String> {
+    let mut complaints = Vec::new();
+    if let Some(word) = exception(REFUSED, file) {
+        complaints.push(format!("loads, and should not for {word}"));
+    }
+    let kept: u64 = scene.meshes.iter().map(|m| m.triangles.len() as u64).sum();
+    let dropped: u64 = scene.defects.iter().map(|d| d.count).sum();
+    let merged = exception(MERGED, file).unwrap_or(0);
+    if kept + dropped + merged != listed.triangles {
+        complaints.push(format!(
+            "{kept} triangles kept, {dropped} dropped, {merged} merged, of {} listed",
+            listed.triangles
+        ));
+    }
+    let placed = scene.placed_triangles();
+    // What is dropped from a mesh is dropped wherever it is placed: only files without instances drop anything.
+    let want = exception(PLACED_OTHERWISE, file).unwrap_or(listed.placed - dropped - merged);
+    if placed != want {
+        complaints.push(format!("{placed} triangles placed, not {want}"));
+    }
+    for mesh in &scene.meshes {
+        if let Err(error) = mesh.validate() {
+            complaints.push(format!("mesh {:?}: {error}", mesh.name));
+        }
+    }
+    complaints.extend(check_picture(scene));
+    complaints
+}
+
+/// Renders 16 x 16 pixels from a camera that sees everything, and from each of the file's.
+fn check_picture(scene: &Scene) -> Vec<String> {
+    let size = (16, 16);
+    let accelerator = AcceleratorKind::Bvh2.build(scene);
+    let stage = Stage::new(scene, &*accelerator, Vec3::Y, SkyMode::Auto);
+    let options = RenderOptions {
+        size,
+        window: PixelRect {
+            x: 0,
+            y: 0,
+            width: size.0,
+            height: size.1,
+        },
+        samples: 1,
+        seed: 0,
+        integrator: Integrator::Direct,
+        filter: PixelFilter::Box,
+        counts_cost: false,
+        wants_first_hits: true,
+    };
+    let mut complaints = Vec::new();
+    let framed = frame_scene(scene, &CameraWishes::default(), Vec3::Y, 1.0);
+    for (index, camera) in std::iter::once(&framed).chain(&scene.cameras).enumerate() {
+        let Some(frame) = camera.frame(size.0, size.1) else {
+            complaints.push(format!("{camera:?} sees nothing"));
+            continue;
+        };
+        let never = std::sync::atomic::AtomicBool::new(false);
+        let film = render(&stage, &frame, &options, &never);
+        let mut covered = 0;
+        film.map(|sum, first| {
+            let numbers =
+                [sum.color, sum.backdrop].map(|c| c.is_finite() && c.min_element() >= 0.0);
+            let is_sound = numbers == [true, true]
+                && (0.0..=1.0).contains(&sum.alpha)
+                && first.is_none_or(|f| {
+                    f.position.is_finite() && f.depth > 0.0 && f.shading_normal.is_normalized()
+                });
+            if !is_sound {
+                complaints.push(format!("camera {index}: {sum:?} {first:?}"));
+            }
+            covered += u32::from(sum.alpha > 0.0);
+        });
+        if index == 0 && covered == 0 {
+            complaints.push("is not seen from the automatic camera".to_owned());
+        }
+    }
+    complaints
+}
+
+#[test]
+fn rows_of_the_list_are_understood() {
+    let text = "| file | size | vertices | triangles | source |\n\
+        |---|---:|---:|---:|---|\n\
+        | `a b/c.obj` | 2.3 MiB | 35,947 | 1,069,451 | somewhere |\n\
+        | `d.glb` | 1 KiB | 36 | 18 (24 placed) | elsewhere (18 (19 placed)) |\n\
+        | repository | commit | note |\n";
+    let list = listed(text);
+    let row = |triangles, placed| Some(Listed { triangles, placed });
+    assert_eq!(list.len(), 2);
+    assert_eq!(list.get("a b/c.obj").copied(), row(1_069_451, 1_069_451));
+    assert_eq!(list.get("d.glb").copied(), row(18, 24));
+}
