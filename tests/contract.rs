@@ -137,11 +137,20 @@ fn instances() -> Scene {
     }
 }
 
+/// The corners of all triangles, in world space.
+fn corners(scene: &Scene) -> Vec<Vec3> {
+    let placed = |i: &Instance| {
+        let mesh = &scene.meshes[i.mesh as usize];
+        mesh.triangles.iter().flatten().map(|&v| i.world_point(mesh.positions[v as usize])).collect::<Vec<_>>()
+    };
+    scene.instances.iter().flat_map(placed).collect()
+}
+
 /// Rays of every kind at a scene: at random, at vertices, edges, along axes with both zeros, from afar, with bounds on hits.
 fn rays(scene: &Scene, random: &mut Random, count: usize) -> Vec<Ray> {
     let bounds = scene.bounds();
     let (center, radius) = (bounds.center(), bounds.diagonal() * 0.5);
-    let vertices: Vec<_> = scene.world_vertices().collect();
+    let vertices = corners(scene);
     let mut rays = Vec::new();
     for i in 0..count {
         let target = match i % 4 {
@@ -256,13 +265,13 @@ fn a_flat_grid_met_on_its_edges() {
     let scene = lone(grid(24), 3.0, 0.0);
     assert!(check("grid", &scene, &rays(&scene, &mut random, 600)).hits > 600);
     // Down every vertex and along the plane itself.
-    let down: Vec<_> = scene
-        .world_vertices()
+    let down: Vec<_> = corners(&scene)
+        .into_iter()
         .map(|v| Ray::new(v + Vec3::Y, -Vec3::Y))
         .collect();
     assert_eq!(check("grid from above", &scene, &down).hits, down.len());
-    let along: Vec<_> = scene
-        .world_vertices()
+    let along: Vec<_> = corners(&scene)
+        .into_iter()
         .map(|v| Ray::new(v.with_x(-9.0), Vec3::X))
         .collect();
     assert_eq!(check("grid along", &scene, &along).hits, 0);
@@ -323,6 +332,74 @@ fn triangles_around_one_point() {
     let scene = lone(mesh(positions, triangles), 1.0, 0.0);
     let mut random = Random::new(5, 0);
     assert!(check("one point", &scene, &rays(&scene, &mut random, 12)).hits > 10);
+}
+
+#[test]
+fn rows_ribbons_and_fans_of_equal_triangles() {
+    // With boxes as they are, obvhs takes quadratic time for each of them: minutes at this size.
+    const COUNT: u32 = 50_000;
+    let along = |i: u32| i as f32;
+    let row = (0..COUNT)
+        .flat_map(|i| [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]].map(|[y, z]| Vec3::new(along(i), y, z)));
+    let row = mesh(
+        row.collect(),
+        (0..COUNT).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect(),
+    );
+    let rails = (0..COUNT + 2)
+        .map(|i| Vec3::new(along(i / 2), 0.0, (i % 2) as f32))
+        .collect();
+    let ribbon = mesh(rails, (0..COUNT).map(|i| [i, i + 1, i + 2]).collect());
+    let rim = |i: u32| {
+        let angle = std::f64::consts::TAU * f64::from(i) / f64::from(COUNT);
+        glam::DVec3::new(libm::cos(angle), libm::sin(angle), 0.0).as_vec3()
+    };
+    let fan = std::iter::once(Vec3::ZERO)
+        .chain((0..COUNT).map(rim))
+        .collect();
+    let fan = mesh(
+        fan,
+        (0..COUNT)
+            .map(|i| [0, 1 + i, 1 + (i + 1) % COUNT])
+            .collect(),
+    );
+    for (name, mesh) in [("row", row), ("ribbon", ribbon), ("fan", fan)] {
+        let scene = lone(mesh, 1.0, 0.0);
+        let mut random = Random::new(7, 0);
+        assert!(
+            check(name, &scene, &rays(&scene, &mut random, 8)).hits > 5,
+            "{name}"
+        );
+    }
+}
+
+#[test]
+fn a_ray_continues_behind_a_hit_in_the_order_of_names() {
+    // Three equal triangles in one place, then one behind them.
+    let positions = vec![
+        Vec3::ZERO,
+        Vec3::X,
+        Vec3::Y,
+        Vec3::NEG_Z,
+        Vec3::new(1.0, 0.0, -1.0),
+        Vec3::new(0.0, 1.0, -1.0),
+    ];
+    let scene = lone(
+        mesh(positions, vec![[0, 1, 2], [0, 1, 2], [3, 4, 5], [1, 2, 0]]),
+        1.0,
+        0.0,
+    );
+    for kind in AcceleratorKind::ALL {
+        let accelerator = kind.build(&scene);
+        let mut ray = Ray::new(Vec3::new(0.2, 0.3, 1.0), Vec3::NEG_Z);
+        let mut met = Vec::new();
+        while let Some(hit) = accelerator.closest_hit(&ray) {
+            met.push((hit.t, hit.triangle));
+            ray = ray.behind(hit.t, (hit.instance, hit.triangle));
+            let is_last = met.len() == 4;
+            assert_eq!(accelerator.any_hit(&ray), !is_last, "{kind}: {met:?}");
+        }
+        assert_eq!(met, [(1.0, 0), (1.0, 1), (1.0, 3), (2.0, 2)], "{kind}");
+    }
 }
 
 #[test]

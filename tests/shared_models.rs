@@ -252,8 +252,7 @@ fn check_picture(scene: &Scene) -> Vec<String> {
         };
         let never = std::sync::atomic::AtomicBool::new(false);
         let film = render(&stage, &frame, &options, &never);
-        let mut covered = 0;
-        film.map(|sum, first| {
+        let pixels = film.map(|sum, first| {
             let numbers =
                 [sum.color, sum.backdrop].map(|c| c.is_finite() && c.min_element() >= 0.0);
             let is_sound = numbers == [true, true]
@@ -261,11 +260,11 @@ fn check_picture(scene: &Scene) -> Vec<String> {
                 && first.is_none_or(|f| {
                     f.position.is_finite() && f.depth > 0.0 && f.shading_normal.is_normalized()
                 });
-            if !is_sound {
-                complaints.push(format!("camera {index}: {sum:?} {first:?}"));
-            }
-            covered += u32::from(sum.alpha > 0.0);
+            let complaint = (!is_sound).then(|| format!("camera {index}: {sum:?} {first:?}"));
+            (sum.alpha > 0.0, complaint)
         });
+        let covered = pixels.iter().filter(|(is_covered, _)| *is_covered).count();
+        complaints.extend(pixels.into_iter().filter_map(|(_, complaint)| complaint));
         if index == 0 && covered == 0 {
             complaints.push("is not seen from the automatic camera".to_owned());
         }

@@ -32,6 +32,11 @@ impl TestSpaces {
         }
     }
 
+    /// Whether the triangles of an instance are tested in its object space.
+    pub fn is_object_space(&self, instance: u32) -> bool {
+        self.object_from_world[instance as usize].is_some()
+    }
+
     /// The ray and the triangle that are tested against one another: both in world space, or both in the instance's.
     pub fn test(&self, scene: &Scene, ray: &Ray, instance: u32, triangle: u32) -> (Ray, Triangle) {
         let placed = &scene.instances[instance as usize];
@@ -111,7 +116,7 @@ pub(super) struct Baked {
 
 /// Sorts the scene's triangles into sets. Sets without triangles are left out.
 pub(super) fn bake(scene: &Scene) -> Baked {
-    let spaces = TestSpaces::of(scene);
+    let (spaces, clusters) = (TestSpaces::of(scene), scene.clusters());
     let mut baked = Baked::default();
     let mut world = TriangleSet::new();
     let mut set_of_mesh: Vec<Option<u32>> = vec![None; scene.meshes.len()];
@@ -136,23 +141,19 @@ pub(super) fn bake(scene: &Scene) -> Baked {
                 .push((0..mesh.triangles.len() as u32).map(named).collect());
             baked.sets.len() as u32 - 1
         });
-        let corners = || {
-            mesh.triangles
+        let points = || {
+            clusters[instance.mesh as usize]
                 .iter()
-                .flatten()
-                .map(|&v| mesh.positions[v as usize])
+                .map(|p| p.as_dvec3())
         };
-        let object_radius = corners().map(|p| p.as_dvec3().length()).fold(0.0, f64::max);
         baked.placements.push(Placement {
             set,
-            bounds: outward(
-                corners().map(|p| instance.world_from_object.transform_point3(p.as_dvec3())),
-            ),
+            bounds: outward(points().map(|p| instance.world_from_object.transform_point3(p))),
             instance: Some(PlacedInstance {
                 index,
                 object_from_world,
                 world_from_object: instance.world_from_object,
-                object_radius,
+                object_radius: points().map(|p| p.length()).fold(0.0, f64::max),
             }),
         });
     }

@@ -89,7 +89,8 @@ fn entries(set: &TriangleSet, space: &NormalizedSpace) -> (Vec<Aabb>, Vec<Vec<u3
         let same_box: Vec<_> = about_a_point.chunk_by(|a, b| a.1 == b.1).collect();
         for joined in same_box.chunks(same_box.len().div_ceil(MOST_ABOUT_A_POINT)) {
             let members = || joined.iter().copied().flatten();
-            boxes.push(members().fold(Aabb::EMPTY, |b, m| b.union(m.2)));
+            let bounds = members().fold(Aabb::EMPTY, |b, m| b.union(m.2));
+            boxes.push(bounds);
             entries.push(members().map(|m| m.3).collect());
         }
     }

@@ -1,5 +1,7 @@
 //! Answers of accelerators, and the rule by which the nearest of several hits is chosen.
 
+use crate::geometry::Ray;
+
 /// Where a ray first meets the scene.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Hit {
@@ -16,12 +18,18 @@ pub struct Hit {
 pub(super) struct Nearest {
     limit: f32,
     hit: Option<Hit>,
+    /// Hits up to this one, in the order of `t` and names, are passed over.
+    behind: Option<(f32, (u32, u32))>,
 }
 
 impl Nearest {
-    /// Nothing yet; hits beyond `limit` do not count.
-    pub(super) fn within(limit: f32) -> Self {
-        Self { limit, hit: None }
+    /// Nothing yet; what counts is what the ray's interval holds, and what is not passed over.
+    pub(super) fn of(ray: &Ray) -> Self {
+        Self {
+            limit: ray.interval.max,
+            hit: None,
+            behind: ray.behind.map(|name| (ray.interval.min, name)),
+        }
     }
 
     /// Greatest `t` that still matters. A hit with just this `t` may win by its name.
@@ -42,7 +50,10 @@ impl Nearest {
                 t < best.t || (t <= best.t && (instance, triangle) < (best.instance, best.triangle))
             }
         };
-        if wins {
+        let is_passed = self
+            .behind
+            .is_some_and(|(least, name)| t <= least && (instance, triangle) <= name);
+        if wins && !is_passed {
             self.limit = t;
             self.hit = Some(Hit {
                 t,
@@ -56,6 +67,8 @@ impl Nearest {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::geometry::Interval;
+    use glam::Vec3;
 
     #[test]
     fn ties_go_to_the_least_name_in_any_order() {
@@ -67,7 +80,7 @@ mod tests {
             (2.0, 1, 0),
         ];
         for start in 0..offers.len() {
-            let mut nearest = Nearest::within(f32::INFINITY);
+            let mut nearest = Nearest::of(&Ray::new(Vec3::ZERO, Vec3::X));
             for &(t, instance, triangle) in offers[start..].iter().chain(&offers[..start]) {
                 nearest.offer(t, instance, triangle);
             }
@@ -84,7 +97,8 @@ mod tests {
 
     #[test]
     fn the_limit_itself_counts() {
-        let mut nearest = Nearest::within(1.0);
+        let mut nearest =
+            Nearest::of(&Ray::new(Vec3::ZERO, Vec3::X).within(Interval::new(0.0, 1.0)));
         nearest.offer(1.0_f32.next_up(), 0, 0);
         assert_eq!(nearest.hit(), None);
         nearest.offer(1.0, 0, 0);

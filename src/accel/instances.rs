@@ -80,7 +80,7 @@ impl<S: TraceSet, T: Top> Trace for Instances<S, T> {
         if !ray.is_traceable() {
             return None;
         }
-        let mut nearest = Nearest::within(ray.interval.max);
+        let mut nearest = Nearest::of(ray);
         self.top.visit(ray, counter, |placement, counter| {
             if let Some((set, mut ray, instance)) = self.enter(placement, ray) {
                 ray.interval.max = nearest.limit();
@@ -94,6 +94,10 @@ impl<S: TraceSet, T: Top> Trace for Instances<S, T> {
     fn trace_any<C: Counter>(&self, ray: &Ray, counter: &mut C) -> bool {
         if !ray.is_traceable() {
             return false;
+        }
+        if ray.behind.is_some() {
+            // Names matter, which only the search for the nearest hit looks at.
+            return self.trace_closest(ray, counter).is_some();
         }
         let mut occluded = false;
         self.top.visit(ray, counter, |placement, counter| {

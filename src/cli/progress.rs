@@ -21,7 +21,8 @@ const WRITING: u8 = 2;
 
 static STOP: AtomicBool = AtomicBool::new(false);
 
-/// Lets Ctrl-C, SIGTERM and SIGHUP end the render with the picture so far, and the program at once before there is one.
+/// Lets Ctrl-C, SIGTERM and SIGHUP end the render with the picture so far, and the program at once before there is one. A
+/// second signal ends it at once in any case; a file that is being written is then left under its temporary name.
 pub(super) fn handle_signals() -> anyhow::Result<()> {
     let handler = || {
         let asked_before = STOP.swap(true, Ordering::Relaxed);
@@ -30,7 +31,7 @@ pub(super) fn handle_signals() -> anyhow::Result<()> {
                 output::message("interrupted before there was a picture");
                 std::process::exit(4);
             }
-            RENDERING if asked_before => std::process::exit(4),
+            _ if asked_before => std::process::exit(4),
             _ => {}
         }
     };

@@ -15,7 +15,7 @@ use clap::{Args, ValueEnum};
 use super::camera_args::{self, CameraArgs};
 use super::summary::{RenderSummary, Seconds};
 use super::values::{self, CropWindow, PixelBounds};
-use super::{Done, metadata, output, pixel, progress};
+use super::{Done, UsageError, metadata, output, pixel, progress};
 
 /// Arguments of `bspray render`.
 #[derive(Args, Debug)]
@@ -30,7 +30,7 @@ pub(super) struct RenderArgs {
     #[arg(long, value_name = "WxH", value_parser = values::resolution, default_value = "1280x720")]
     resolution: (u32, u32),
     /// Samples a pixel
-    #[arg(long, value_name = "N", default_value_t = 16, value_parser = clap::value_parser!(u32).range(1..))]
+    #[arg(long, value_name = "N", default_value_t = 16, value_parser = clap::value_parser!(u32).range(1..=values::MOST_SAMPLES))]
     spp: u32,
     /// Changes every random number
     #[arg(long, value_name = "N", default_value_t = 0)]
@@ -137,6 +137,7 @@ pub(super) fn run(args: &RenderArgs) -> anyhow::Result<Done> {
     let started = Instant::now();
     let scene = bspray::import::load(&args.models)?;
     let load = started.elapsed().as_secs_f64();
+    spare_inputs(&outputs, &scene)?;
     if !args.quiet {
         scene
             .notes
@@ -206,14 +207,22 @@ pub(super) fn run(args: &RenderArgs) -> anyhow::Result<Done> {
         camera_flags: &camera_flags,
         outputs: outputs.iter().map(|(path, _)| path.as_path()).collect(),
     };
-    for (path, kind) in &outputs {
-        match kind {
-            OutputKind::Exr => {
-                let picture = render::layers(&film, &frame);
-                exr::write(path, &metadata::add(picture, &summary))?;
-            }
-            OutputKind::Display => ldr::write(path, &display(args, &film, &options))?,
-        }
+    if film.samples() == 0 {
+        output::message("interrupted before there was a picture; nothing is written");
+        return Ok(Done::Partially);
+    }
+    // One output that cannot be written does not take the others with it.
+    let mut failures = outputs.iter().filter_map(|(path, kind)| {
+        let written = pool.install(|| match kind {
+            OutputKind::Exr => exr::write(path, &metadata::add(render::layers(&film, &frame), &summary)),
+            OutputKind::Display => ldr::write(path, &display(args, &film, &options)),
+        });
+        written.err()
+    });
+    let failure = failures.next();
+    failures.for_each(|e| output::error(&e.into()));
+    if let Some(failure) = failure {
+        return Err(failure.into());
     }
     if !args.quiet {
         output::message(&summary.line());
@@ -237,70 +246,84 @@ enum OutputKind {
 
 /// The outputs and what they are, known to be possible before anything is rendered.
 fn outputs(args: &RenderArgs) -> anyhow::Result<Vec<(PathBuf, OutputKind)>> {
-    if args.pixel.is_some() && args.output.is_empty() {
-        return Ok(Vec::new());
+    if args.pixel.is_some() {
+        if args.output.is_empty() {
+            return Ok(Vec::new());
+        }
+        bail!(UsageError("--pixel prints a report and writes no picture: leave --output out".to_owned()));
     }
     let paths = if args.output.is_empty() {
         // Not `with_extension`, which would take "v2" from "scan.v2".
-        let mut name = args.models[0]
-            .file_stem()
-            .unwrap_or("picture".as_ref())
-            .to_owned();
+        let mut name = args.models[0].file_stem().unwrap_or("picture".as_ref()).to_owned();
         name.push(".png");
         vec![PathBuf::from(name)]
     } else {
         args.output.clone()
     };
-    let mut outputs = Vec::new();
+    let mut outputs: Vec<(PathBuf, OutputKind)> = Vec::new();
     for path in paths {
-        let is_exr = path
-            .extension()
-            .is_some_and(|e| e.eq_ignore_ascii_case("exr"));
+        let is_exr = path.extension().is_some_and(|e| e.eq_ignore_ascii_case("exr"));
         if !is_exr {
-            ldr::LdrFormat::of_path(&path)?;
+            ldr::LdrFormat::of_path(&path).map_err(|e| UsageError(e.to_string()))?;
         }
-        let folder = path.parent().filter(|p| !p.as_os_str().is_empty());
-        if let Some(folder) = folder.filter(|f| !f.is_dir()) {
-            bail!(
-                "{}: there is no folder {}",
-                path.display(),
-                folder.display()
-            );
+        if outputs.iter().any(|(other, _)| *other == path) {
+            bail!(UsageError(format!("{}: is named twice as an output", path.display())));
         }
-        if path.is_dir() {
-            bail!("{}: is a directory", path.display());
-        }
-        outputs.push((
-            path,
-            if is_exr {
-                OutputKind::Exr
-            } else {
-                OutputKind::Display
-            },
-        ));
+        check_writable(&path)?;
+        outputs.push((path, if is_exr { OutputKind::Exr } else { OutputKind::Display }));
     }
     Ok(outputs)
+}
+
+/// Finds out before a long render what would keep its picture from being written.
+fn check_writable(path: &Path) -> anyhow::Result<()> {
+    if path.is_dir() {
+        bail!("{}: is a directory", path.display());
+    }
+    let folder = path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    if !folder.is_dir() {
+        bail!("{}: there is no folder {}", path.display(), folder.display());
+    }
+    // Devices and pipes get the finished content copied; only files need a place beside them.
+    if !path.exists() || path.is_file() {
+        tempfile::tempfile_in(folder)
+            .with_context(|| format!("{}: cannot write into {}", path.display(), folder.display()))?;
+    }
+    Ok(())
+}
+
+/// Refuses outputs that would replace a file that the scene was read from, such as a texture beside its model.
+fn spare_inputs(outputs: &[(PathBuf, OutputKind)], scene: &Scene) -> anyhow::Result<()> {
+    for (path, _) in outputs {
+        let Ok(output) = path.canonicalize() else { continue };
+        if let Some(input) = scene.files.iter().find(|f| f.canonicalize().is_ok_and(|f| f == output)) {
+            let cause = format!("{}: would replace an input, {}: choose another --output", path.display(), input.display());
+            bail!(UsageError(cause));
+        }
+    }
+    Ok(())
 }
 
 fn window(args: &RenderArgs) -> anyhow::Result<PixelRect> {
     let size = args.resolution;
     if let Some((x, y)) = args.pixel.filter(|(x, y)| *x >= size.0 || *y >= size.1) {
-        bail!(
-            "--pixel {x},{y} is outside the picture of {}x{} pixels",
-            size.0,
-            size.1
+        let cause = format!("--pixel {x},{y} is outside the picture of {}x{} pixels", size.0, size.1);
+        bail!(UsageError(cause));
+    }
+    let window = match (args.cropwindow, args.pixelbounds) {
+        (Some(crop), _) => crop.pixels(size),
+        (None, Some(bounds)) => bounds.pixels(size).map_err(UsageError)?,
+        (None, None) => PixelRect { x: 0, y: 0, width: size.0, height: size.1 },
+    };
+    if window.area() > values::MOST_PIXELS && args.pixel.is_none() {
+        let cause = format!(
+            "{} pixels are more than the {} that are rendered at once: use --pixelbounds and render the picture in parts",
+            window.area(),
+            values::MOST_PIXELS
         );
+        bail!(UsageError(cause));
     }
-    match (args.cropwindow, args.pixelbounds) {
-        (Some(crop), _) => Ok(crop.pixels(size)),
-        (None, Some(bounds)) => bounds.pixels(size).map_err(anyhow::Error::msg),
-        (None, None) => Ok(PixelRect {
-            x: 0,
-            y: 0,
-            width: size.0,
-            height: size.1,
-        }),
-    }
+    Ok(window)
 }
 
 fn sky_mode(name: SkyName) -> SkyMode {

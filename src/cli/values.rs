@@ -9,6 +9,12 @@ use glam::Vec3;
 /// Largest width and height of a picture, in pixels.
 const LARGEST: u32 = 1 << 16;
 
+/// Most pixels that are rendered at once: with all layers they take some 200 bytes each. Larger pictures come in crops.
+pub(super) const MOST_PIXELS: u64 = 1 << 26;
+
+/// Most samples a pixel: beyond them sums in single precision no longer grow.
+pub(super) const MOST_SAMPLES: i64 = 1 << 20;
+
 /// Most threads that can be asked for: more than any machine of today has.
 const MOST_THREADS: usize = 4096;
 

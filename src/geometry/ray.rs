@@ -38,6 +38,9 @@ pub struct Ray {
     pub interval: Interval,
     /// Depth and pixel.
     pub source: RayOrigin,
+    /// If set, hits at just the interval's least `t` count only with a greater name (instance, triangle): the ray continues
+    /// behind such a hit, and misses none of the other surfaces that lie in the same place.
+    pub behind: Option<(u32, u32)>,
 }
 
 impl Ray {
@@ -48,6 +51,7 @@ impl Ray {
             direction,
             interval: Interval::FORWARD,
             source: RayOrigin::default(),
+            behind: None,
         }
     }
 
@@ -55,6 +59,16 @@ impl Ray {
     #[must_use]
     pub fn within(self, interval: Interval) -> Self {
         Self { interval, ..self }
+    }
+
+    /// The rest of the ray behind a hit at `t` of the triangle of that name (instance, triangle).
+    #[must_use]
+    pub fn behind(self, t: f32, name: (u32, u32)) -> Self {
+        Self {
+            interval: Interval::new(t, self.interval.max),
+            behind: Some(name),
+            ..self
+        }
     }
 
     /// The point at parameter `t`, rounded in single precision.

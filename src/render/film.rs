@@ -1,6 +1,7 @@
 //! Where samples gather: a picture in tiles, each of which one thread fills at a time.
 
 use glam::{Vec2, Vec3};
+use rayon::prelude::*;
 
 use super::integrator::Sample;
 use super::tracer::RayCounts;
@@ -174,20 +175,25 @@ impl Film {
             .sum()
     }
 
-    /// A value of every pixel of the window, row by row from the top.
-    pub fn map<T: Clone + Default>(
+    /// A value of every pixel of the window, row by row from the top. Rows of tiles are worked on in parallel.
+    pub fn map<T: Clone + Default + Send>(
         &self,
-        mut value: impl FnMut(&PixelSum, Option<&FirstHit>) -> T,
+        value: impl Fn(&PixelSum, Option<&FirstHit>) -> T + Sync,
     ) -> Vec<T> {
+        let width = self.window.width as usize;
         let mut values = vec![T::default(); self.window.area() as usize];
-        for tile in &self.tiles {
-            for (index, ((x, y), sum)) in tile.rect.pixels().zip(&tile.sums).enumerate() {
-                let first = tile.first_hits.get(index).and_then(Option::as_ref);
-                let place = (y - self.window.y) as usize * self.window.width as usize
-                    + (x - self.window.x) as usize;
-                values[place] = value(sum, first);
-            }
-        }
+        let bands = values.par_chunks_mut(width * TILE as usize);
+        bands
+            .zip(self.tiles.par_chunks(width.div_ceil(TILE as usize)))
+            .for_each(|(band, tiles)| {
+                for tile in tiles {
+                    for (index, ((x, y), sum)) in tile.rect.pixels().zip(&tile.sums).enumerate() {
+                        let first = tile.first_hits.get(index).and_then(Option::as_ref);
+                        let row = (y - tile.rect.y) as usize;
+                        band[row * width + (x - self.window.x) as usize] = value(sum, first);
+                    }
+                }
+            });
         values
     }
 }

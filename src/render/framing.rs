@@ -108,20 +108,33 @@ const OPEN: f64 = 0.08;
 /// The areas of a closed surface, each times its normal, sum to zero; what is missing to that is the opening. A box whose
 /// faces look inwards misses its front wall, a lone picture its back.
 fn open_side(scene: &Scene, up: Vec3) -> Option<Vec3> {
+    // Of each mesh, the sum of its area vectors and of their lengths.
+    let areas = scene.meshes.iter().map(|mesh| {
+        (0..mesh.triangles.len() as u32).fold((DVec3::ZERO, 0.0), |(sum, total), t| {
+            let [a, b, c] = mesh.triangle(t).corners().map(|p| p.as_dvec3());
+            let area = (b - a).cross(c - a) * 0.5;
+            (sum + area, total + area.length())
+        })
+    });
+    let areas: Vec<_> = areas.collect();
     let (mut sum, mut total) = (DVec3::ZERO, 0.0);
-    for (index, instance) in scene.instances.iter().enumerate() {
-        let mesh = scene.mesh_of(index as u32);
-        let flip = if instance.is_mirrored() { -0.5 } else { 0.5 };
-        for corners in &mesh.triangles {
-            let [a, b, c] = corners.map(|v| {
-                instance
-                    .world_from_object
-                    .transform_point3(mesh.positions[v as usize].as_dvec3())
-            });
-            let area = (b - a).cross(c - a) * flip;
-            sum += area;
-            total += area.length();
-        }
+    for instance in &scene.instances {
+        let (vector, area) = areas[instance.mesh as usize];
+        // Cofactors take area vectors to world space, and turn a mirrored mesh's inside out.
+        let cofactors = instance.cofactors();
+        let norm = cofactors
+            .to_cols_array()
+            .iter()
+            .map(|x| x * x)
+            .sum::<f64>()
+            .sqrt();
+        sum += if instance.is_mirrored() {
+            -(cofactors * vector)
+        } else {
+            cofactors * vector
+        };
+        // Right for even scales, and for others as a mean over directions.
+        total += area * norm / 3.0_f64.sqrt();
     }
     let up = up.as_dvec3().normalize_or_zero();
     let horizontal = sum - up * sum.dot(up);
@@ -142,7 +155,8 @@ fn fit(camera: &mut Camera, scene: &Scene, tangents: [f64; 2], is_centered: bool
     // For each axis across the view, the greatest x + z tan and -x + z tan.
     let mut extremes = [[f64::NEG_INFINITY; 2]; 2];
     let mut nearest = f64::NEG_INFINITY;
-    for point in scene.world_vertices() {
+    let clusters = scene.clusters();
+    for point in scene.world_points(&clusters) {
         let p = point.as_dvec3() - origin;
         let z = p.dot(back);
         nearest = nearest.max(z);
@@ -213,7 +227,10 @@ mod tests {
                 (p.dot(up) / z / half.1 + 1.0) / 2.0,
             )
         };
-        scene().world_vertices().map(place).collect()
+        scene()
+            .world_points(&scene().clusters())
+            .map(place)
+            .collect()
     }
 
     #[test]

@@ -56,7 +56,7 @@ pub struct Lights {
     punctual: Vec<Light>,
     emitters: Vec<Emitter>,
     /// For each emitter, the power of it and all before it, as a share of the whole.
-    emitter_cdf: Vec<f32>,
+    emitter_cdf: Vec<f64>,
     sky: Option<Sky>,
     sun: Option<Sun>,
 }
@@ -73,7 +73,7 @@ impl Lights {
         let mut sum = 0.0;
         let mut share = |e: &Emitter| {
             sum += power(e);
-            (sum / total) as f32
+            sum / total
         };
         let emitter_cdf = emitters.iter().map(&mut share).collect();
         Self {
@@ -115,6 +115,7 @@ impl Lights {
         choice: f32,
         [u, v]: [f32; 2],
     ) -> Option<Incident> {
+        let choice = f64::from(choice);
         let index = self
             .emitter_cdf
             .partition_point(|&c| c <= choice)
@@ -125,7 +126,7 @@ impl Lights {
         } else {
             self.emitter_cdf[index - 1]
         };
-        let probability = self.emitter_cdf[index] - before;
+        let probability = (self.emitter_cdf[index] - before) as f32;
         // Uniform over the triangle: Turk's square root (Graphics Gems, 1990).
         let root = u.sqrt();
         let weights = [1.0 - root, root * (1.0 - v), root * v];
@@ -192,7 +193,7 @@ fn emitters(scene: &Scene, staged: &[StagedInstance]) -> Vec<Emitter> {
         let mesh = &scene.meshes[instance.mesh as usize];
         for part in &mesh.parts {
             let material = &scene.materials[part.material as usize];
-            if material.emissive == Vec3::ZERO {
+            if material.emissive == Vec3::ZERO || material.unlit {
                 continue;
             }
             let uv_set = material

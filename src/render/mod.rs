@@ -86,6 +86,7 @@ pub fn render(
         options,
     };
     if options.wants_first_hits {
+        // These rays are none of the samples', and are counted nowhere.
         film.tiles.par_iter_mut().for_each(|tile| {
             let mut tracer = Tracer::new(stage.accelerator, false);
             tile.first_hits = vec![None; tile.sums.len()];
@@ -95,12 +96,11 @@ pub fn render(
                 }
                 *first = pixel.first_hit(&mut tracer, x, y);
             }
-            tile.rays += tracer.rays;
         });
     }
     let mut done = 0;
     while done < options.samples && !observer.should_stop() {
-        let end = (2 * done).clamp(1, options.samples);
+        let end = done.saturating_mul(2).clamp(1, options.samples);
         film.tiles.par_iter_mut().for_each(|tile| {
             let mut added = 0;
             let mut tracer = Tracer::new(stage.accelerator, options.counts_cost);

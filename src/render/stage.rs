@@ -3,10 +3,10 @@
 use glam::{DMat3, Vec3};
 
 use super::lights::Lights;
-use crate::accel::Accelerator;
+use crate::accel::{Accelerator, TestSpaces};
 use crate::geometry::Triangle;
 use crate::geometry::tolerance::surface_offset_factors;
-use crate::scene::{Scene, Sky};
+use crate::scene::{Instance, Scene, Sky, TriangleMesh};
 
 /// When the sky and sun of our own light a scene.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -58,29 +58,29 @@ impl StagedInstance {
 impl<'a> Stage<'a> {
     /// Prepares the scene. `up` is its upward axis, of which the sky needs to know.
     pub fn new(scene: &'a Scene, accelerator: &'a dyn Accelerator, up: Vec3, sky: SkyMode) -> Self {
-        let instances: Vec<_> = scene
-            .instances
-            .iter()
-            .map(|instance| {
-                let matrix = instance.world_from_object.matrix3;
-                let is_mirrored = instance.is_mirrored();
-                let cofactors = DMat3::from_cols(
-                    matrix.y_axis.cross(matrix.z_axis),
-                    matrix.z_axis.cross(matrix.x_axis),
-                    matrix.x_axis.cross(matrix.y_axis),
-                );
-                let radius = scene.meshes[instance.mesh as usize]
-                    .positions
-                    .iter()
-                    .fold(0.0_f32, |r, p| r.max(p.abs().max_element()));
-                StagedInstance {
-                    // The matrix of cofactors is the inverse transpose times the determinant, and exists without an inverse.
-                    normal_matrix: if is_mirrored { -cofactors } else { cofactors },
-                    is_mirrored,
-                    offset_factors: surface_offset_factors(matrix, radius),
-                }
-            })
-            .collect();
+        let spaces = TestSpaces::of(scene);
+        let radius = |mesh: &TriangleMesh| {
+            mesh.positions
+                .iter()
+                .fold(0.0_f32, |r, p| r.max(p.abs().max_element()))
+        };
+        let radii: Vec<f32> = scene.meshes.iter().map(radius).collect();
+        let staged = |(index, instance): (usize, &Instance)| {
+            let is_mirrored = instance.is_mirrored();
+            let cofactors = instance.cofactors();
+            // What is tested in world space has no second rounding.
+            let radius = if spaces.is_object_space(index as u32) {
+                radii[instance.mesh as usize]
+            } else {
+                0.0
+            };
+            StagedInstance {
+                normal_matrix: if is_mirrored { -cofactors } else { cofactors },
+                is_mirrored,
+                offset_factors: surface_offset_factors(instance.world_from_object.matrix3, radius),
+            }
+        };
+        let instances: Vec<_> = scene.instances.iter().enumerate().map(staged).collect();
         let is_lit = !scene.lights.is_empty() || scene.has_constant_emission();
         let wants_sky = match sky {
             SkyMode::Auto => !is_lit,

@@ -2,6 +2,10 @@
 
 use glam::{DAffine3, Vec3};
 
+/// Scales of an inverse placement's axes that leave directions of usual length inside single precision, which ends at 1e38 and
+/// loses digits below 1e-38.
+const INVERSE_SCALES: std::ops::RangeInclusive<f64> = 1e-25..=1e25;
+
 /// A mesh placed in the world.
 #[derive(Clone, Debug)]
 pub struct Instance {
@@ -31,15 +35,30 @@ impl Instance {
             .as_vec3()
     }
 
-    /// The inverse placement, or `None` where the matrix is singular or so nearly singular that its inverse
-    /// overflows. Such instances are traced in world space.
+    /// The inverse placement, or `None` where the matrix is singular, or where the inverse leaves the range in which a direction
+    /// can be rounded to single precision without loss ([`INVERSE_SCALES`]). Such instances are traced in world space.
     pub fn object_from_world(&self) -> Option<DAffine3> {
         let determinant = self.world_from_object.matrix3.determinant();
         if determinant == 0.0 || !determinant.is_finite() {
             return None;
         }
         let inverse = self.world_from_object.inverse();
-        inverse.is_finite().then_some(inverse)
+        let m = inverse.matrix3;
+        let in_range = [m.x_axis, m.y_axis, m.z_axis]
+            .iter()
+            .all(|c| INVERSE_SCALES.contains(&c.abs().max_element()));
+        (in_range && inverse.translation.is_finite()).then_some(inverse)
+    }
+
+    /// The matrix of cofactors of the placement's linear part: the inverse transpose times the determinant, which exists without an
+    /// inverse. It takes normals and area vectors to world space, and, for a placement that mirrors, to the other side.
+    pub fn cofactors(&self) -> glam::DMat3 {
+        let m = self.world_from_object.matrix3;
+        glam::DMat3::from_cols(
+            m.y_axis.cross(m.z_axis),
+            m.z_axis.cross(m.x_axis),
+            m.x_axis.cross(m.y_axis),
+        )
     }
 
     /// Whether the placement turns the mesh inside out, so that counter-clockwise corners become clockwise.
@@ -69,6 +88,8 @@ mod tests {
     fn flat_placements_have_no_inverse() {
         let flat = Instance::new("x", 0, DAffine3::from_scale(DVec3::new(1.0, 0.0, 2.0)));
         assert!(flat.object_from_world().is_none() && !flat.is_mirrored());
+        let tiny = Instance::new("x", 0, DAffine3::from_scale(DVec3::new(1.0, 1e-30, 1.0)));
+        assert!(tiny.object_from_world().is_none());
         let mirror = Instance::new("x", 0, DAffine3::from_scale(DVec3::new(-1.0, 3.0, 2.0)));
         assert!(mirror.object_from_world().is_some() && mirror.is_mirrored());
     }

@@ -2,7 +2,7 @@
 
 use glam::{Vec2, Vec3, Vec4};
 
-use crate::geometry::Triangle;
+use crate::geometry::{Aabb, Triangle};
 
 /// A run of triangles that share a material.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -129,6 +129,37 @@ impl TriangleMesh {
         )
     }
 
+    /// Points whose hull holds the mesh: the vertices that a triangle uses, or the corners of their box if these are more
+    /// than `most`.
+    pub fn cluster(&self, most: usize) -> Vec<Vec3> {
+        let mut is_used = vec![false; self.positions.len()];
+        self.triangles
+            .iter()
+            .flatten()
+            .for_each(|&v| is_used[v as usize] = true);
+        let used = self
+            .positions
+            .iter()
+            .zip(&is_used)
+            .filter(|(_, used)| **used)
+            .map(|(p, _)| *p);
+        if used.clone().count() <= most.max(8) {
+            return used.collect();
+        }
+        let bounds: Aabb = used.collect();
+        let corner = |i: u32| {
+            let side = |bit: u32, axis: usize| {
+                if i >> bit & 1 == 0 {
+                    bounds.min[axis]
+                } else {
+                    bounds.max[axis]
+                }
+            };
+            Vec3::new(side(0, 0), side(1, 1), side(2, 2))
+        };
+        (0..8).map(corner).collect()
+    }
+
     /// The scene's material of a triangle.
     pub fn material_of(&self, triangle: u32) -> u32 {
         let behind = self.parts.partition_point(|p| p.first_triangle <= triangle);
@@ -219,6 +250,21 @@ mod tests {
         assert_eq!([0, 1, 2].map(|t| mesh.material_of(t)), [8, 8, 9]);
         assert_eq!(mesh.outlines.len(), 1);
         assert_eq!(mesh.outlines[0].first_triangle, 1);
+    }
+
+    #[test]
+    fn a_cluster_is_the_used_vertices_or_their_box() {
+        let mut mesh = strip();
+        mesh.positions.push(Vec3::splat(99.0));
+        assert_eq!(mesh.cluster(100), mesh.positions[..6]);
+        // Twelve vertices in a row are more than a box has.
+        mesh.positions = (0..12).map(|i| Vec3::new(i as f32, 1.0, 2.0)).collect();
+        mesh.triangles = (0..10).map(|i| [i, i + 1, i + 2]).collect();
+        let corners = mesh.cluster(9);
+        assert_eq!(
+            (corners.len(), corners[0], corners[7]),
+            (8, mesh.positions[0], mesh.positions[11])
+        );
     }
 
     #[test]

@@ -108,20 +108,41 @@ impl Scene {
 
     /// The world-space box of all instances; empty when nothing is placed. Only vertices that a triangle uses count.
     pub fn bounds(&self) -> Aabb {
-        self.world_vertices().collect()
+        let clusters = self.clusters();
+        self.world_points(&clusters).collect()
     }
 
-    /// Every vertex that a triangle uses, in world space, once for each triangle corner.
-    pub fn world_vertices(&self) -> impl Iterator<Item = glam::Vec3> + '_ {
-        self.instances.iter().flat_map(move |instance| {
-            let mesh = &self.meshes[instance.mesh as usize];
-            mesh.triangles
+    /// For each mesh, points in object space whose hull holds it: the vertices that a triangle uses, or, for a mesh that is placed
+    /// so often that these would be more than [`MOST_PLACED_POINTS`], the corners of its box.
+    pub fn clusters(&self) -> Vec<Vec<glam::Vec3>> {
+        let mut uses = vec![0_usize; self.meshes.len()];
+        self.instances
+            .iter()
+            .for_each(|i| uses[i.mesh as usize] += 1);
+        self.meshes
+            .iter()
+            .zip(uses)
+            .map(|(mesh, uses)| mesh.cluster(MOST_PLACED_POINTS / uses.max(1)))
+            .collect()
+    }
+
+    /// The points of [`Scene::clusters`] for every instance, in world space.
+    pub fn world_points<'s>(
+        &'s self,
+        clusters: &'s [Vec<glam::Vec3>],
+    ) -> impl Iterator<Item = glam::Vec3> + 's {
+        let points = |i: &'s Instance| {
+            clusters[i.mesh as usize]
                 .iter()
-                .flatten()
-                .map(move |&v| instance.world_point(mesh.positions[v as usize]))
-        })
+                .map(move |&p| i.world_point(p))
+        };
+        self.instances.iter().flat_map(points)
     }
 }
+
+/// Points of one mesh, times its instances, up to which all of them are looked at to find boxes and cameras. More would make
+/// thousands of instances of a large mesh as slow as that many meshes.
+const MOST_PLACED_POINTS: usize = 4_000_000;
 
 #[cfg(test)]
 mod tests {

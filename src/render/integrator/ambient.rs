@@ -23,14 +23,15 @@ pub(super) fn shade(
     if direction.dot(surface.geometric_normal) <= 0.0 {
         return Vec3::ZERO;
     }
+    let source = RayOrigin {
+        depth: ray.source.depth + 1,
+        pixel: None,
+    };
+    let interval = Interval::new(0.0, distance);
     let ray = Ray {
-        origin: surface.origin_towards(direction),
-        direction,
-        interval: Interval::new(0.0, distance),
-        source: RayOrigin {
-            depth: ray.source.depth + 1,
-            pixel: None,
-        },
+        interval,
+        source,
+        ..Ray::new(surface.origin_towards(direction), direction)
     };
     Vec3::splat(visibility(stage, tracer, ray, RayKind::Ambient))
 }

@@ -75,10 +75,10 @@ fn shadow_ray(surface: &Surface, incident: &Incident, depth: u32) -> Ray {
         Some(target) => (target - origin, Interval::new(0.0, 1.0)),
         None => (incident.direction, Interval::FORWARD),
     };
+    let source = RayOrigin { depth, pixel: None };
     Ray {
-        origin,
-        direction,
         interval,
-        source: RayOrigin { depth, pixel: None },
+        source,
+        ..Ray::new(origin, direction)
     }
 }

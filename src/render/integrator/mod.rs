@@ -10,7 +10,7 @@ use super::sampler::Sampler;
 use super::stage::Stage;
 use super::surface::{MaterialPoint, Surface};
 use super::tracer::{RayKind, Tracer};
-use crate::geometry::{Interval, Ray};
+use crate::geometry::Ray;
 
 /// How colours come about.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -86,7 +86,7 @@ impl Integrator {
             if 1.0 - sample.alpha < NEARLY_OPAQUE {
                 break;
             }
-            ray.interval = Interval::new(hit.t.next_up(), ray.interval.max);
+            ray = ray.behind(hit.t, (hit.instance, hit.triangle));
         }
         sample.alpha = 1.0;
         sample
@@ -133,7 +133,7 @@ pub(super) fn first_visible(
         if material.alpha > 0.0 {
             return Some((surface, material));
         }
-        ray.interval = Interval::new(hit.t.next_up(), ray.interval.max);
+        ray = ray.behind(hit.t, (hit.instance, hit.triangle));
     }
     None
 }
@@ -153,7 +153,7 @@ fn visibility(stage: &Stage, tracer: &mut Tracer, ray: Ray, kind: RayKind) -> f3
         if visibility < NEARLY_OPAQUE {
             return 0.0;
         }
-        ray.interval = Interval::new(hit.t.next_up(), ray.interval.max);
+        ray = ray.behind(hit.t, (hit.instance, hit.triangle));
     }
     0.0
 }
