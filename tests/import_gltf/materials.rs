@@ -3,7 +3,7 @@
 use base64::Engine;
 use base64::prelude::BASE64_STANDARD;
 use bspray::scene::{AlphaMode, Wrap};
-use glam::Vec2;
+use glam::{Vec2, Vec3};
 use serde_json::json;
 
 use crate::model::*;
@@ -125,4 +125,39 @@ fn only_images_that_show_are_decoded() {
     assert!(material.normal_texture.is_some() && material.occlusion_texture.is_none());
     assert_eq!(scene.notes.len(), 1, "{:?}", scene.notes);
     assert!(has_note(&scene, "image 3: left out"));
+}
+
+#[test]
+fn an_emissive_texture_that_cannot_be_had_leaves_no_light() {
+    let scene = good(|m| {
+        m["images"] = json!([
+            {"uri": "gone.png"}, {"uri": "data:image/png;base64,AAAA"},
+            {"uri": format!("data:image/png;base64,{PNG}")},
+        ]);
+        m["textures"] = json!([
+            {"source": 0}, {"source": 1}, {"extensions": {"KHR_texture_basisu": {"source": 0}}},
+            {"extensions": {"EXT_texture_webp": {"source": 0}}}, {"source": 2},
+        ]);
+        m["materials"] = (0..5)
+            .map(|i| json!({"emissiveFactor": [1, 0.5, 0.25], "emissiveTexture": {"index": i}}))
+            .chain([json!({"emissiveFactor": [1, 0.5, 0.25]})])
+            .collect();
+        let primitives = (0..6).map(|i| json!({"attributes": {"POSITION": 0}, "material": i}));
+        m["meshes"][0]["primitives"] = primitives.collect();
+    });
+    let light = Vec3::new(1.0, 0.5, 0.25);
+    let emissive: Vec<Vec3> = scene.materials.iter().map(|m| m.emissive).collect();
+    let dark = Vec3::ZERO;
+    assert_eq!(emissive, [dark, dark, dark, dark, light, light]);
+    for words in [
+        "image 0: left out",
+        "image 1: left out",
+        "texture 2 and 1 more: left out",
+    ] {
+        assert!(
+            has_note(&scene, words),
+            "no {words:?} in {:#?}",
+            scene.notes
+        );
+    }
 }
