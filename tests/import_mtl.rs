@@ -280,3 +280,19 @@ fn textures_that_cannot_be_read_are_left_out() {
         "{notes:?}"
     );
 }
+
+#[test]
+fn many_missing_libraries_of_one_name_are_one_note() {
+    let lines = "mtllib gone.mtl\n".repeat(20_000);
+    let scene = load_files(&[("model.obj", format!("{lines}{V}f 1 2 3\n").as_bytes())]).unwrap();
+    let text = "material file \"gone.mtl\" is not there; its materials get the default";
+    assert_eq!(notes(&scene), [format!("line 1 and 19999 more: {text}")]);
+}
+
+#[test]
+fn many_missing_libraries_of_many_names_are_told_in_order() {
+    let lines: String = (0..20_000).map(|i| format!("mtllib {i}.mtl\n")).collect();
+    let scene = load_files(&[("model.obj", format!("{lines}{V}f 1 2 3\n").as_bytes())]).unwrap();
+    assert_eq!(scene.notes.len(), 20_000);
+    assert_eq!(scene.notes[19_999].element, "line 20000");
+}
