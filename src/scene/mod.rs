@@ -16,8 +16,8 @@ pub use environment::Sky;
 pub use instance::Instance;
 pub use light::{Light, LightKind};
 pub use material::{
-    AlphaMode, Bump, Clearcoat, Material, Sheen, Specular, TextureRef, Transmission, UvTransform,
-    Volume,
+    AlphaMode, Bump, Clearcoat, Material, Opacity, OpacityChannel, Sheen, Specular, TextureRef,
+    Transmission, UvTransform, Volume,
 };
 pub use mesh::{MeshError, Outline, Part, TriangleMesh};
 pub use texture::{Filter, Image, Pixels, Texture, Wrap};
