@@ -337,3 +337,25 @@ fn the_channel_of_map_d_is_one_for_the_whole_image() {
         assert_eq!(texels.map(|t| opacity.channel.of(t)), alpha);
     }
 }
+
+#[test]
+fn a_scene_knows_the_files_it_was_read_from() {
+    let obj = format!("mtllib gone.mtl\nmtllib a.mtl\n{V}usemtl m\nf 1 2 3\n");
+    let mtl = b"newmtl m\nmap_Kd tex.png\nmap_Ke tex.png\nbump bump.png\nmap_d broken.png\n";
+    let tex = png([255, 0, 0, 255]);
+    let scene = load_files(&[
+        ("model.obj", obj.as_bytes()),
+        ("a.mtl", mtl),
+        ("tex.png", &tex),
+        ("bump.png", b"only looked for"),
+        ("broken.png", b"read in vain"),
+        ("unused.png", &tex),
+    ])
+    .unwrap();
+    let names = scene.files.iter().map(|f| f.file_name().unwrap().to_str());
+    let mut names: Vec<&str> = names.flatten().collect();
+    assert_eq!(names[..2], ["model.obj", "a.mtl"]);
+    names.sort_unstable();
+    let all = ["a.mtl", "broken.png", "bump.png", "model.obj", "tex.png"];
+    assert_eq!(names, all);
+}

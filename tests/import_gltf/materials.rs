@@ -161,3 +161,38 @@ fn an_emissive_texture_that_cannot_be_had_leaves_no_light() {
         );
     }
 }
+
+#[test]
+fn a_scene_knows_the_files_it_was_read_from() {
+    let mut model = triangle();
+    let uri = model["buffers"][0]["uri"].take();
+    let base64 = uri
+        .as_str()
+        .and_then(|u| u.split_once(','))
+        .expect("data")
+        .1;
+    model["buffers"][0]["uri"] = json!("data.bin");
+    model["images"] = json!([{"uri": "a.png"}, {"uri": "bumps.png"}, {"uri": "gone.png"}]);
+    model["textures"] = json!([{"source": 0}, {"source": 1}, {"source": 2}]);
+    model["materials"] = json!([{
+        "pbrMetallicRoughness": {"baseColorTexture": {"index": 0}},
+        "normalTexture": {"index": 1}, "occlusionTexture": {"index": 2},
+    }]);
+    model["meshes"][0]["primitives"][0]["material"] = json!(0);
+    let folder = tempfile::tempdir().expect("a temporary directory");
+    let write = |name: &str, base64: &str| {
+        let bytes = BASE64_STANDARD.decode(base64).expect("base64");
+        std::fs::write(folder.path().join(name), bytes).expect("written");
+    };
+    write("data.bin", base64);
+    write("a.png", PNG);
+    write("bumps.png", PNG);
+    let mut scene =
+        load_in(folder.path(), "model.gltf", model.to_string().as_bytes()).expect("loads");
+    let files = ["model.gltf", "a.png", "bumps.png", "data.bin"].map(|n| folder.path().join(n));
+    assert_eq!(scene.files, files);
+    scene.append(
+        load_in(folder.path(), "b.gltf", triangle().to_string().as_bytes()).expect("loads"),
+    );
+    assert_eq!(scene.files[4..], [folder.path().join("b.gltf")]);
+}

@@ -111,6 +111,11 @@ impl Libraries {
         Some((material, &mut self.files[*file]))
     }
 
+    /// The files that were read.
+    pub(super) fn files(&self) -> impl Iterator<Item = PathBuf> {
+        self.files.iter().map(|f| f.notes.file().to_owned())
+    }
+
     /// The notes of all files.
     pub(super) fn into_notes(self) -> impl Iterator<Item = Note> {
         self.files.into_iter().flat_map(|f| f.notes.into_notes())
