@@ -7,7 +7,7 @@
 )]
 
 use bspray::import::{self, ImportError};
-use bspray::scene::{AlphaMode, Material, Pixels, Scene, Wrap};
+use bspray::scene::{AlphaMode, Material, OpacityChannel, Pixels, Scene, Wrap};
 use glam::{Vec2, Vec3, Vec4};
 
 /// Three vertices of a right triangle with legs 2 and 1, and a fourth that makes a rectangle.
@@ -236,7 +236,7 @@ fn textures_are_found_decoded_and_shared() {
         Vec2::new(0.5, 0.75)
     );
     assert_eq!(
-        scene.textures[m.opacity_texture.unwrap().texture as usize].wrap_u,
+        scene.textures[m.opacity.unwrap().texture.texture as usize].wrap_u,
         Wrap::ClampToEdge
     );
     assert_eq!((m.alpha_mode, m.emissive), (AlphaMode::Blend, Vec3::ONE));
@@ -256,7 +256,7 @@ fn alpha_of_one_image_counts_once() {
         ])
         .unwrap();
         assert_eq!(scene.materials[0].alpha_mode, AlphaMode::Blend);
-        assert_eq!(scene.materials[0].opacity_texture.is_some(), is_separate);
+        assert_eq!(scene.materials[0].opacity.is_some(), is_separate);
     }
 }
 
@@ -279,4 +279,83 @@ fn textures_that_cannot_be_read_are_left_out() {
             && notes[1].contains("is not there"),
         "{notes:?}"
     );
+}
+
+#[test]
+fn many_missing_libraries_of_one_name_are_one_note() {
+    let lines = "mtllib gone.mtl\n".repeat(20_000);
+    let scene = load_files(&[("model.obj", format!("{lines}{V}f 1 2 3\n").as_bytes())]).unwrap();
+    let text = "material file \"gone.mtl\" is not there; its materials get the default";
+    assert_eq!(notes(&scene), [format!("line 1 and 19999 more: {text}")]);
+}
+
+#[test]
+fn many_missing_libraries_of_many_names_are_told_in_order() {
+    let lines: String = (0..20_000).map(|i| format!("mtllib {i}.mtl\n")).collect();
+    let scene = load_files(&[("model.obj", format!("{lines}{V}f 1 2 3\n").as_bytes())]).unwrap();
+    assert_eq!(scene.notes.len(), 20_000);
+    assert_eq!(scene.notes[19_999].element, "line 20000");
+}
+
+#[test]
+fn the_channel_of_map_d_is_one_for_the_whole_image() {
+    let obj = format!("mtllib a.mtl\n{V}usemtl m\nf 1 2 3\n");
+    // (first texel, second texel, channel, alpha of both)
+    let cases = [
+        // Dark and opaque beside transparent: dark does not mean transparent.
+        (
+            [10, 0, 0, 255],
+            [255, 0, 0, 0],
+            OpacityChannel::Alpha,
+            [1.0, 0.0],
+        ),
+        (
+            [255, 9, 9, 255],
+            [0, 9, 9, 255],
+            OpacityChannel::Red,
+            [1.0, 0.0],
+        ),
+    ];
+    for (first, second, channel, alpha) in cases {
+        let mut bytes = std::io::Cursor::new(Vec::new());
+        let mut image = image::RgbaImage::from_pixel(2, 1, image::Rgba(first));
+        image.put_pixel(1, 0, image::Rgba(second));
+        image.write_to(&mut bytes, image::ImageFormat::Png).unwrap();
+        let scene = load_files(&[
+            ("model.obj", obj.as_bytes()),
+            ("a.mtl", b"newmtl m\nmap_d mask.png\n"),
+            ("mask.png", bytes.get_ref()),
+        ])
+        .unwrap();
+        let opacity = scene.materials[0].opacity.unwrap();
+        assert_eq!(opacity.channel, channel);
+        assert_eq!(
+            scene.materials[0].texture_refs().collect::<Vec<_>>(),
+            [opacity.texture]
+        );
+        let texels = [first, second].map(|t| Vec4::from(t.map(f32::from)) / 255.0);
+        assert_eq!(texels.map(|t| opacity.channel.of(t)), alpha);
+    }
+}
+
+#[test]
+fn a_scene_knows_the_files_it_was_read_from() {
+    let obj = format!("mtllib gone.mtl\nmtllib a.mtl\n{V}usemtl m\nf 1 2 3\n");
+    let mtl = b"newmtl m\nmap_Kd tex.png\nmap_Ke tex.png\nbump bump.png\nmap_d broken.png\n";
+    let tex = png([255, 0, 0, 255]);
+    let scene = load_files(&[
+        ("model.obj", obj.as_bytes()),
+        ("a.mtl", mtl),
+        ("tex.png", &tex),
+        ("bump.png", b"only looked for"),
+        ("broken.png", b"read in vain"),
+        ("unused.png", &tex),
+    ])
+    .unwrap();
+    let names = scene.files.iter().map(|f| f.file_name().unwrap().to_str());
+    let mut names: Vec<&str> = names.flatten().collect();
+    assert_eq!(names[..2], ["model.obj", "a.mtl"]);
+    names.sort_unstable();
+    let all = ["a.mtl", "broken.png", "bump.png", "model.obj", "tex.png"];
+    assert_eq!(names, all);
 }

@@ -487,3 +487,13 @@ fn malformed_models_do_what_their_first_line_says() {
         );
     }
 }
+
+#[test]
+#[cfg(unix)]
+fn devices_are_not_read() {
+    for device in ["/dev/zero", "/dev/null"] {
+        let error = import::load(&[Path::new(device).to_owned()]).unwrap_err();
+        let text = error.to_string();
+        assert!(text.contains("is not a regular file"), "{text}");
+    }
+}

@@ -38,13 +38,16 @@ pub(super) fn run(args: &InspectArgs) -> anyhow::Result<Done> {
 
 fn report(scene: &Scene, models: &[PathBuf]) -> Value {
     let bounds = scene.bounds();
-    let meshes = scene.meshes.iter().enumerate().map(|(index, mesh)| {
-        let index = index as u32;
+    let mut placed = vec![0_u64; scene.meshes.len()];
+    for instance in &scene.instances {
+        placed[instance.mesh as usize] += 1;
+    }
+    let meshes = scene.meshes.iter().zip(placed).map(|(mesh, instances)| {
         json!({
             "name": mesh.name,
             "triangles": mesh.triangles.len(),
             "vertices": mesh.positions.len(),
-            "instances": scene.instances.iter().filter(|i| i.mesh == index).count(),
+            "instances": instances,
             "polygons": mesh.outlines.len(),
             "materials": mesh.parts.iter().map(|p| p.material).collect::<Vec<_>>(),
             "normals": !mesh.normals.is_empty(),
@@ -81,7 +84,7 @@ fn report(scene: &Scene, models: &[PathBuf]) -> Value {
             "focal_point": numbers(camera.focal_point.to_array()), "projection": projection })
     });
     json!({
-        "models": models,
+        "models": models.iter().map(|m| m.to_string_lossy()).collect::<Vec<_>>(),
         "triangles": scene.meshes.iter().map(|m| m.triangles.len()).sum::<usize>(),
         "triangles_placed": scene.placed_triangles(),
         "vertices": scene.meshes.iter().map(|m| m.positions.len()).sum::<usize>(),

@@ -125,8 +125,9 @@ impl RenderSummary<'_> {
         json!({
             "program": "bspray",
             "version": env!("CARGO_PKG_VERSION"),
-            "models": self.args_models,
-            "outputs": self.outputs,
+            // A path need not be UTF-8, JSON must.
+            "models": self.args_models.iter().map(|p| p.to_string_lossy()).collect::<Vec<_>>(),
+            "outputs": self.outputs.iter().map(|p| p.to_string_lossy()).collect::<Vec<_>>(),
             "complete": self.film.is_complete,
             "resolution": [self.film.size.0, self.film.size.1],
             "window": { "x": window.x, "y": window.y, "width": window.width, "height": window.height },

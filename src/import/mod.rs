@@ -110,8 +110,13 @@ fn load_file(file: &Path) -> Result<Scene, ImportError> {
             "is a directory, not a model",
         ));
     }
+    if !metadata.is_file() {
+        // A device may have no end, and a pipe no writer.
+        let cause = "is not a regular file: copy what it gives to one";
+        return Err(ImportError::invalid(file, "file", cause));
+    }
     let bytes = std::fs::read(file).map_err(|e| ImportError::io(file, e))?;
-    let scene = match format_of(file, &bytes) {
+    let mut scene = match format_of(file, &bytes) {
         Some(Format::Obj) => obj::load(file, &bytes)?,
         Some(Format::Gltf) => gltf::load(file, bytes)?,
         None => {
@@ -130,6 +135,7 @@ fn load_file(file: &Path) -> Result<Scene, ImportError> {
         };
         return Err(ImportError::invalid(file, "scene", cause));
     }
+    scene.files.insert(0, file.to_owned());
     Ok(scene)
 }
 

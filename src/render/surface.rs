@@ -138,7 +138,10 @@ impl Surface {
         };
         let mut color = material.base_color * texel(&material.base_color_texture, ColorSpace::Srgb);
         color *= self.vertex_color(stage);
-        color.w *= opacity(texel(&material.opacity_texture, ColorSpace::Linear));
+        if let Some(opacity) = material.opacity {
+            let texel = texel(&Some(opacity.texture), ColorSpace::Linear);
+            color.w *= opacity.channel.of(texel);
+        }
         let alpha = match material.alpha_mode {
             AlphaMode::Opaque => 1.0,
             AlphaMode::Mask { cutoff } => f32::from(u8::from(color.w >= cutoff)),
@@ -183,9 +186,4 @@ impl Surface {
         let (u, v) = self.barycentric;
         a * (1.0 - u - v) + b * u + c * v
     }
-}
-
-/// MTL's `map_d`: the alpha channel of an image that has one, else its first channel.
-fn opacity(texel: Vec4) -> f32 {
-    if texel.w < 1.0 { texel.w } else { texel.x }
 }

@@ -57,6 +57,34 @@ pub struct Bump {
     pub scale: f32,
 }
 
+/// A map of alpha alone (MTL's `map_d`).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Opacity {
+    /// Alpha, linear.
+    pub texture: TextureRef,
+    /// Where in the image it stands; the same for all of its texels.
+    pub channel: OpacityChannel,
+}
+
+/// The channel of an image that is read as alpha.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum OpacityChannel {
+    /// The image's own alpha.
+    Alpha,
+    /// The first channel, of images that are opaque throughout.
+    Red,
+}
+
+impl OpacityChannel {
+    /// Alpha, 0 to 1, by a linear texel.
+    pub fn of(self, texel: Vec4) -> f32 {
+        match self {
+            Self::Alpha => texel.w,
+            Self::Red => texel.x,
+        }
+    }
+}
+
 /// KHR_materials_specular: strength and colour of the dielectric reflection.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Specular {
@@ -131,8 +159,8 @@ pub struct Material {
     pub base_color: Vec4,
     /// Multiplies the base colour (sRGB, alpha linear).
     pub base_color_texture: Option<TextureRef>,
-    /// Multiplies alpha (MTL's `map_d`; the alpha channel of an image that has one, else its first channel).
-    pub opacity_texture: Option<TextureRef>,
+    /// Multiplies alpha (MTL's `map_d`).
+    pub opacity: Option<Opacity>,
     /// 0 for dielectrics, 1 for metals.
     pub metallic: f32,
     /// Perceptual roughness, 0 to 1.
@@ -180,7 +208,7 @@ impl Default for Material {
             name: String::new(),
             base_color: Vec4::ONE,
             base_color_texture: None,
-            opacity_texture: None,
+            opacity: None,
             metallic: 0.0,
             roughness: 1.0,
             metallic_roughness_texture: None,
@@ -218,7 +246,6 @@ impl Material {
     pub fn texture_refs_mut(&mut self) -> impl Iterator<Item = &mut TextureRef> {
         let own = [
             &mut self.base_color_texture,
-            &mut self.opacity_texture,
             &mut self.metallic_roughness_texture,
             &mut self.normal_texture,
             &mut self.occlusion_texture,
@@ -248,6 +275,7 @@ impl Material {
             .chain(clearcoat)
             .chain(sheen)
             .flatten()
+            .chain(self.opacity.iter_mut().map(|o| &mut o.texture))
             .chain(self.bump.iter_mut().map(|b| &mut b.texture))
     }
 

@@ -16,11 +16,13 @@ pub use environment::Sky;
 pub use instance::Instance;
 pub use light::{Light, LightKind};
 pub use material::{
-    AlphaMode, Bump, Clearcoat, Material, Sheen, Specular, TextureRef, Transmission, UvTransform,
-    Volume,
+    AlphaMode, Bump, Clearcoat, Material, Opacity, OpacityChannel, Sheen, Specular, TextureRef,
+    Transmission, UvTransform, Volume,
 };
 pub use mesh::{MeshError, Outline, Part, TriangleMesh};
 pub use texture::{Filter, Image, Pixels, Texture, Wrap};
+
+use std::path::PathBuf;
 
 use crate::geometry::Aabb;
 
@@ -44,6 +46,8 @@ pub struct Scene {
     pub lights: Vec<Light>,
     /// The file's cameras, in world space.
     pub cameras: Vec<Camera>,
+    /// Every file that was read: the models, their MTL files, buffers and images.
+    pub files: Vec<PathBuf>,
     /// What the importer did or left out, for people to read.
     pub notes: Vec<Note>,
     /// Elements of the file that were broken and dropped.
@@ -72,6 +76,7 @@ impl Scene {
         self.images.append(&mut other.images);
         self.lights.append(&mut other.lights);
         self.cameras.append(&mut other.cameras);
+        self.files.append(&mut other.files);
         self.notes.append(&mut other.notes);
         self.defects.append(&mut other.defects);
     }

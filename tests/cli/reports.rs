@@ -203,3 +203,31 @@ fn one_pixel_is_told_and_nothing_rendered() {
     );
     assert!(names(folder.path()).is_empty());
 }
+
+#[test]
+#[cfg(target_os = "linux")]
+fn paths_that_are_not_utf_8_are_told_as_well_as_can_be() {
+    use std::ffi::OsStr;
+    use std::os::unix::ffi::OsStrExt;
+
+    let folder = tempfile::tempdir().unwrap();
+    let obj = OsStr::from_bytes(b"block\xff.obj");
+    let png = OsStr::from_bytes(b"a\xff.png");
+    std::fs::copy(model("lecture-block.obj"), folder.path().join(obj)).unwrap();
+    let report = |args: &[&OsStr]| {
+        let mut program = assert_cmd::cargo::cargo_bin_cmd!("bspray");
+        let output = program.current_dir(folder.path()).args(args).output();
+        let output = output.expect("the program starts");
+        assert!(output.status.success(), "{output:?}");
+        object(&String::from_utf8(output.stdout).expect("UTF-8 on standard output"))
+    };
+    let [inspect, render, json, to, spp, one] =
+        ["inspect", "render", "--json", "-o", "--spp", "1"].map(OsStr::new);
+    let [resolution, tiny] = ["--resolution", "8x6"].map(OsStr::new);
+    let told = report(&[inspect, obj, json]);
+    assert_eq!(told["models"][0], "block\u{fffd}.obj");
+    assert_eq!(told["meshes"][0]["instances"], 1);
+    let told = report(&[render, obj, json, resolution, tiny, spp, one, to, png]);
+    assert_eq!(told["models"][0], "block\u{fffd}.obj");
+    assert_eq!(told["outputs"][0], "a\u{fffd}.png");
+}

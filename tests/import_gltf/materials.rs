@@ -3,7 +3,7 @@
 use base64::Engine;
 use base64::prelude::BASE64_STANDARD;
 use bspray::scene::{AlphaMode, Wrap};
-use glam::Vec2;
+use glam::{Vec2, Vec3};
 use serde_json::json;
 
 use crate::model::*;
@@ -125,4 +125,74 @@ fn only_images_that_show_are_decoded() {
     assert!(material.normal_texture.is_some() && material.occlusion_texture.is_none());
     assert_eq!(scene.notes.len(), 1, "{:?}", scene.notes);
     assert!(has_note(&scene, "image 3: left out"));
+}
+
+#[test]
+fn an_emissive_texture_that_cannot_be_had_leaves_no_light() {
+    let scene = good(|m| {
+        m["images"] = json!([
+            {"uri": "gone.png"}, {"uri": "data:image/png;base64,AAAA"},
+            {"uri": format!("data:image/png;base64,{PNG}")},
+        ]);
+        m["textures"] = json!([
+            {"source": 0}, {"source": 1}, {"extensions": {"KHR_texture_basisu": {"source": 0}}},
+            {"extensions": {"EXT_texture_webp": {"source": 0}}}, {"source": 2},
+        ]);
+        m["materials"] = (0..5)
+            .map(|i| json!({"emissiveFactor": [1, 0.5, 0.25], "emissiveTexture": {"index": i}}))
+            .chain([json!({"emissiveFactor": [1, 0.5, 0.25]})])
+            .collect();
+        let primitives = (0..6).map(|i| json!({"attributes": {"POSITION": 0}, "material": i}));
+        m["meshes"][0]["primitives"] = primitives.collect();
+    });
+    let light = Vec3::new(1.0, 0.5, 0.25);
+    let emissive: Vec<Vec3> = scene.materials.iter().map(|m| m.emissive).collect();
+    let dark = Vec3::ZERO;
+    assert_eq!(emissive, [dark, dark, dark, dark, light, light]);
+    for words in [
+        "image 0: left out",
+        "image 1: left out",
+        "texture 2 and 1 more: left out",
+    ] {
+        assert!(
+            has_note(&scene, words),
+            "no {words:?} in {:#?}",
+            scene.notes
+        );
+    }
+}
+
+#[test]
+fn a_scene_knows_the_files_it_was_read_from() {
+    let mut model = triangle();
+    let uri = model["buffers"][0]["uri"].take();
+    let base64 = uri
+        .as_str()
+        .and_then(|u| u.split_once(','))
+        .expect("data")
+        .1;
+    model["buffers"][0]["uri"] = json!("data.bin");
+    model["images"] = json!([{"uri": "a.png"}, {"uri": "bumps.png"}, {"uri": "gone.png"}]);
+    model["textures"] = json!([{"source": 0}, {"source": 1}, {"source": 2}]);
+    model["materials"] = json!([{
+        "pbrMetallicRoughness": {"baseColorTexture": {"index": 0}},
+        "normalTexture": {"index": 1}, "occlusionTexture": {"index": 2},
+    }]);
+    model["meshes"][0]["primitives"][0]["material"] = json!(0);
+    let folder = tempfile::tempdir().expect("a temporary directory");
+    let write = |name: &str, base64: &str| {
+        let bytes = BASE64_STANDARD.decode(base64).expect("base64");
+        std::fs::write(folder.path().join(name), bytes).expect("written");
+    };
+    write("data.bin", base64);
+    write("a.png", PNG);
+    write("bumps.png", PNG);
+    let mut scene =
+        load_in(folder.path(), "model.gltf", model.to_string().as_bytes()).expect("loads");
+    let files = ["model.gltf", "a.png", "bumps.png", "data.bin"].map(|n| folder.path().join(n));
+    assert_eq!(scene.files, files);
+    scene.append(
+        load_in(folder.path(), "b.gltf", triangle().to_string().as_bytes()).expect("loads"),
+    );
+    assert_eq!(scene.files[4..], [folder.path().join("b.gltf")]);
 }

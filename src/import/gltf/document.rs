@@ -13,6 +13,7 @@ use serde_json::{Map, Number, Value};
 
 use super::buffers::Buffers;
 use super::container::Container;
+use super::uri::Files;
 use crate::import::ImportError;
 
 /// A file's JSON with its buffers.
@@ -23,6 +24,8 @@ pub(super) struct Document<'a> {
     pub(super) poses: Vec<Pose>,
     pub(super) has_animations: bool,
     pub(super) buffers: Buffers<'a>,
+    /// The files beside it that were read.
+    pub(super) files: Files,
 }
 
 /// A node's transform as the file has it: a matrix (columns), or translation, rotation (x, y, z, w) and scale.
@@ -83,6 +86,7 @@ impl<'a> Document<'a> {
             poses,
             has_animations,
             buffers,
+            files: Files::default(),
         })
     }
 
@@ -127,7 +131,7 @@ impl<'a> Document<'a> {
             ));
         };
         let buffer = view.buffer.value();
-        let bytes = self.buffers.get(&self.root, buffer)?;
+        let bytes = self.buffers.get(&self.root, &self.files, buffer)?;
         let offset = view.byte_offset.map_or(0, |o| o.0);
         let end = offset.saturating_add(view.byte_length.0);
         // A range that does not fit in usize is no part of a slice either.

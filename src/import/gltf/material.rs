@@ -73,6 +73,10 @@ pub(super) fn read(json: &json::Material, index: usize, textures: &Textures) -> 
         material.occlusion_texture = textures.refer(t.index.value(), t.tex_coord, extensions);
         material.occlusion_strength = unit(t.strength.0);
     }
+    if json.emissive_texture.is_some() && material.emissive_texture.is_none() {
+        // The texture says where the material emits: without it, all of it would be a light.
+        material.emissive = Vec3::ZERO;
+    }
     read_specular_glossiness(&mut material, json, textures);
     read_lobes(&mut material, json, textures);
     material

@@ -59,6 +59,7 @@ pub(super) fn load(file: &Path, bytes: Vec<u8>) -> Result<Scene, ImportError> {
         .filter_map(|l| views::light(&document, l, &mut notes))
         .collect();
     read_materials(&document, &mut scene, &mut notes);
+    scene.files.extend(document.files.into_paths());
     scene.notes = notes.finish();
     Ok(scene)
 }

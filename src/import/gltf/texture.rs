@@ -175,7 +175,7 @@ fn read_image(document: &Document, index: usize) -> Result<Image, String> {
         (Some(view), _) => decode(document.view(view.value())?.0),
         (None, Some(uri)) => match uri::resolve(document.file, uri)? {
             Target::Data(bytes) => decode(&bytes),
-            Target::Files(paths) => decode(&uri::read_first(&paths, u64::MAX)?),
+            Target::Files(paths) => decode(&document.files.read_first(&paths, u64::MAX)?),
         },
         (None, None) => Err("has neither a URI nor a buffer view".to_owned()),
     }
@@ -188,7 +188,7 @@ fn find_image(document: &Document, index: usize) -> Result<Image, String> {
         (Some(view), _) => document.view(view.value()).map(|_| ())?,
         (None, Some(uri)) => match uri::resolve(document.file, uri)? {
             Target::Data(_) => {}
-            Target::Files(paths) => uri::find_first(&paths).map(|_| ())?,
+            Target::Files(paths) => document.files.find_first(&paths).map(|_| ())?,
         },
         (None, None) => return Err("has neither a URI nor a buffer view".to_owned()),
     }

@@ -1,8 +1,10 @@
 //! URIs of buffers and images: `data:` URIs and files beside the model (RFC 2397, RFC 3986).
 
+use std::collections::BTreeSet;
 use std::fs::File;
 use std::io::Read;
 use std::path::{Path, PathBuf};
+use std::sync::{Mutex, PoisonError};
 
 use base64::Engine;
 use base64::alphabet::STANDARD;
@@ -66,11 +68,37 @@ pub(super) fn resolve(file: &Path, uri: &str) -> Result<Target, String> {
     Ok(Target::Files(paths))
 }
 
-/// Reads the first of `paths` that is a file, at most `limit` bytes of it.
-///
-/// The error is that of the first path. Devices and pipes, which have no end, are not files here.
-pub(super) fn read_first(paths: &[PathBuf], limit: u64) -> Result<Vec<u8>, String> {
-    let path = find_first(paths)?;
+/// Reads files, and remembers which; several threads may ask.
+#[derive(Debug, Default)]
+pub(super) struct Files {
+    // Sorted, since threads come in no order.
+    found: Mutex<BTreeSet<PathBuf>>,
+}
+
+impl Files {
+    /// Reads the first of `paths` that is a file, at most `limit` bytes of it.
+    ///
+    /// The error is that of the first path. Devices and pipes, which have no end, are not files here.
+    pub(super) fn read_first(&self, paths: &[PathBuf], limit: u64) -> Result<Vec<u8>, String> {
+        read(self.find_first(paths)?, limit)
+    }
+
+    /// The first of `paths` that is a file.
+    pub(super) fn find_first<'p>(&self, paths: &'p [PathBuf]) -> Result<&'p PathBuf, String> {
+        let path = find_first(paths)?;
+        let mut found = self.found.lock().unwrap_or_else(PoisonError::into_inner);
+        found.insert(path.clone());
+        Ok(path)
+    }
+
+    /// The files that were read or found.
+    pub(super) fn into_paths(self) -> BTreeSet<PathBuf> {
+        let found = self.found.into_inner();
+        found.unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+fn read(path: &Path, limit: u64) -> Result<Vec<u8>, String> {
     let read = || {
         let file = File::open(path)?;
         let length = file.metadata()?.len().min(limit);
@@ -81,8 +109,7 @@ pub(super) fn read_first(paths: &[PathBuf], limit: u64) -> Result<Vec<u8>, Strin
     read().map_err(|e: std::io::Error| format!("cannot read {:?}: {e}", path.display()))
 }
 
-/// The first of `paths` that is a file.
-pub(super) fn find_first(paths: &[PathBuf]) -> Result<&PathBuf, String> {
+fn find_first(paths: &[PathBuf]) -> Result<&PathBuf, String> {
     let mut first_error = None;
     for path in paths {
         match std::fs::metadata(path) {
@@ -184,9 +211,15 @@ mod tests {
 
     #[test]
     fn devices_and_directories_are_not_files() {
-        let error = read_first(&[PathBuf::from("/")], 10).expect_err("a directory");
+        let error = Files::default()
+            .read_first(&[PathBuf::from("/")], 10)
+            .expect_err("a directory");
         assert!(error.contains("not a file"), "{error}");
         #[cfg(unix)]
-        assert!(read_first(&[PathBuf::from("/dev/zero")], 10).is_err());
+        assert!(
+            Files::default()
+                .read_first(&[PathBuf::from("/dev/zero")], 10)
+                .is_err()
+        );
     }
 }

@@ -18,7 +18,8 @@ use super::mtl::MtlFile;
 use super::reader::MtlMaterial;
 use super::textures::{Map, Textures};
 use crate::scene::{
-    AlphaMode, Bump, Clearcoat, Material, Sheen, Specular, TextureRef, Transmission,
+    AlphaMode, Bump, Clearcoat, Material, Opacity, OpacityChannel, Sheen, Specular, TextureRef,
+    Transmission,
 };
 
 /// The `Ks` that stands for a dielectric's own reflection.
@@ -163,10 +164,15 @@ impl Conversion<'_> {
         }
         if let Some(texture) = self.texture(source.dissolve_texture.as_deref(), true) {
             self.material.alpha_mode = AlphaMode::Blend;
+            let channel = if self.textures.has_alpha(texture) {
+                OpacityChannel::Alpha
+            } else {
+                OpacityChannel::Red
+            };
             // The same image for both: its alpha already multiplies the base colour's.
             let is_counted = self.material.base_color_texture == Some(texture)
-                && self.textures.has_alpha(texture);
-            self.material.opacity_texture = Some(texture).filter(|_| !is_counted);
+                && channel == OpacityChannel::Alpha;
+            self.material.opacity = Some(Opacity { texture, channel }).filter(|_| !is_counted);
         }
     }
 

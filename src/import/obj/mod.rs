@@ -182,6 +182,8 @@ impl Materials {
             notes.element(format!("line {line}: material {name:?}{others}"), text);
         }
         scene.materials = self.made;
+        scene.files.extend(self.libraries.files());
+        scene.files.extend(self.textures.files);
         scene.images = self.textures.images;
         scene.textures = self.textures.textures;
         scene.notes = notes.into_notes();

@@ -34,23 +34,27 @@ impl Libraries {
     /// Reads the files that `mtllib` statements of an OBJ in `folder` name. What is missing is noted in `notes`.
     pub(super) fn load(statements: &[Named], folder: &Path, notes: &mut Notes) -> Self {
         let mut libraries = Self::default();
+        // A folder is searched once for a name, however often it is named.
+        let mut found: HashMap<&str, Option<PathBuf>> = HashMap::new();
+        let mut find = |name| {
+            let path = found
+                .entry(name)
+                .or_insert_with(|| files::find(folder, name));
+            path.clone()
+        };
         for Named { name, line } in statements {
             // One name with blanks, or several names.
             let whole = [Some(name.as_str()), before_comment(name)];
-            if let Some(path) = whole
-                .into_iter()
-                .flatten()
-                .find_map(|n| files::find(folder, n))
-            {
+            if let Some(path) = whole.into_iter().flatten().find_map(&mut find) {
                 libraries.read(&path, notes);
                 continue;
             }
             let names = before_comment(name).unwrap_or(name);
             for name in names.split_whitespace() {
-                match files::find(folder, name) {
+                match find(name) {
                     Some(path) => libraries.read(&path, notes),
-                    None => notes.element(
-                        format!("line {line}"),
+                    None => notes.line(
+                        *line,
                         format!(
                             "material file {name:?} is not there; its materials get the default"
                         ),
@@ -105,6 +109,11 @@ impl Libraries {
             .get(name)
             .or_else(|| by_name.get(before_comment(name)?))?;
         Some((material, &mut self.files[*file]))
+    }
+
+    /// The files that were read.
+    pub(super) fn files(&self) -> impl Iterator<Item = PathBuf> {
+        self.files.iter().map(|f| f.notes.file().to_owned())
     }
 
     /// The notes of all files.

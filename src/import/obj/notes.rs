@@ -1,5 +1,7 @@
 //! Notes about a text file, equal ones summed up.
 
+use std::borrow::Cow;
+use std::collections::{HashMap, HashSet};
 use std::path::{Path, PathBuf};
 
 use crate::scene::Note;
@@ -7,12 +9,14 @@ use crate::scene::Note;
 /// Collects notes about one file.
 pub(super) struct Notes {
     file: PathBuf,
-    by_line: Vec<LineNote>,
+    by_line: HashMap<Cow<'static, str>, Lines>,
     others: Vec<Note>,
+    /// Elements and texts of `others`.
+    known: HashSet<(String, String)>,
 }
 
-struct LineNote {
-    text: &'static str,
+/// The lines with one text.
+struct Lines {
     first: usize,
     count: usize,
 }
@@ -21,8 +25,9 @@ impl Notes {
     pub(super) fn new(file: &Path) -> Self {
         Self {
             file: file.to_owned(),
-            by_line: Vec::new(),
+            by_line: HashMap::new(),
             others: Vec::new(),
+            known: HashSet::new(),
         }
     }
 
@@ -32,45 +37,42 @@ impl Notes {
     }
 
     /// Notes something about a line. Lines with the same text become one note.
-    pub(super) fn line(&mut self, number: usize, text: &'static str) {
-        match self
-            .by_line
-            .iter_mut()
-            .find(|n| std::ptr::eq(n.text, text) || n.text == text)
-        {
-            Some(note) => note.count += 1,
-            None => self.by_line.push(LineNote {
-                text,
-                first: number,
-                count: 1,
-            }),
-        }
+    pub(super) fn line(&mut self, number: usize, text: impl Into<Cow<'static, str>>) {
+        let lines = self.by_line.entry(text.into()).or_insert(Lines {
+            first: number,
+            count: 0,
+        });
+        lines.count += 1;
     }
 
     /// Notes something about an element, once.
     pub(super) fn element(&mut self, element: impl Into<String>, text: impl Into<String>) {
-        let note = Note {
-            file: self.file.clone(),
-            element: element.into(),
-            text: text.into(),
-        };
-        if !self.others.contains(&note) {
-            self.others.push(note);
+        let (element, text) = (element.into(), text.into());
+        if self.known.insert((element.clone(), text.clone())) {
+            self.others.push(Note {
+                file: self.file.clone(),
+                element,
+                text,
+            });
         }
     }
 
     /// The notes, those about lines first and in the order of their lines.
-    pub(super) fn into_notes(mut self) -> Vec<Note> {
-        self.by_line.sort_by_key(|n| n.first);
-        let lines = self.by_line.into_iter().map(|n| Note {
-            file: self.file.clone(),
-            element: match n.count {
-                1 => format!("line {}", n.first),
-                2 => format!("line {} and 1 more", n.first),
-                count => format!("line {} and {} more", n.first, count - 1),
-            },
-            text: n.text.to_owned(),
-        });
+    pub(super) fn into_notes(self) -> Vec<Note> {
+        let mut by_line: Vec<_> = self.by_line.into_iter().collect();
+        // Several texts may be about one line, and a map has no order.
+        by_line.sort_by(|(a, x), (b, y)| (x.first, a).cmp(&(y.first, b)));
+        let lines = by_line
+            .into_iter()
+            .map(|(text, Lines { first, count })| Note {
+                file: self.file.clone(),
+                element: match count {
+                    1 => format!("line {first}"),
+                    2 => format!("line {first} and 1 more"),
+                    _ => format!("line {first} and {} more", count - 1),
+                },
+                text: text.into_owned(),
+            });
         lines.chain(self.others).collect()
     }
 }

@@ -105,6 +105,8 @@ pub(super) struct Textures {
     pub(super) images: Vec<Image>,
     /// Textures: one an image and way to sample it.
     pub(super) textures: Vec<Texture>,
+    /// The files of images, read or found.
+    pub(super) files: Vec<PathBuf>,
     image_of: HashMap<PathBuf, Result<u32, String>>,
     texture_of: HashMap<(u32, bool), u32>,
 }
@@ -190,6 +192,7 @@ impl Textures {
             }
         });
         if known.is_none() {
+            self.files.push(path.clone());
             self.image_of.insert(path, index.clone());
         }
         index
