@@ -141,7 +141,11 @@ fn instances() -> Scene {
 fn corners(scene: &Scene) -> Vec<Vec3> {
     let placed = |i: &Instance| {
         let mesh = &scene.meshes[i.mesh as usize];
-        mesh.triangles.iter().flatten().map(|&v| i.world_point(mesh.positions[v as usize])).collect::<Vec<_>>()
+        mesh.triangles
+            .iter()
+            .flatten()
+            .map(|&v| i.world_point(mesh.positions[v as usize]))
+            .collect::<Vec<_>>()
     };
     scene.instances.iter().flat_map(placed).collect()
 }

@@ -1,6 +1,6 @@
 //! `bspray render`: models in, pictures and measurements out.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use anyhow::{Context, bail};
@@ -214,7 +214,10 @@ pub(super) fn run(args: &RenderArgs) -> anyhow::Result<Done> {
     // One output that cannot be written does not take the others with it.
     let mut failures = outputs.iter().filter_map(|(path, kind)| {
         let written = pool.install(|| match kind {
-            OutputKind::Exr => exr::write(path, &metadata::add(render::layers(&film, &frame), &summary)),
+            OutputKind::Exr => exr::write(
+                path,
+                &metadata::add(render::layers(&film, &frame), &summary),
+            ),
             OutputKind::Display => ldr::write(path, &display(args, &film, &options)),
         });
         written.err()
@@ -250,11 +253,16 @@ fn outputs(args: &RenderArgs) -> anyhow::Result<Vec<(PathBuf, OutputKind)>> {
         if args.output.is_empty() {
             return Ok(Vec::new());
         }
-        bail!(UsageError("--pixel prints a report and writes no picture: leave --output out".to_owned()));
+        bail!(UsageError(
+            "--pixel prints a report and writes no picture: leave --output out".to_owned()
+        ));
     }
     let paths = if args.output.is_empty() {
         // Not `with_extension`, which would take "v2" from "scan.v2".
-        let mut name = args.models[0].file_stem().unwrap_or("picture".as_ref()).to_owned();
+        let mut name = args.models[0]
+            .file_stem()
+            .unwrap_or("picture".as_ref())
+            .to_owned();
         name.push(".png");
         vec![PathBuf::from(name)]
     } else {
@@ -262,15 +270,27 @@ fn outputs(args: &RenderArgs) -> anyhow::Result<Vec<(PathBuf, OutputKind)>> {
     };
     let mut outputs: Vec<(PathBuf, OutputKind)> = Vec::new();
     for path in paths {
-        let is_exr = path.extension().is_some_and(|e| e.eq_ignore_ascii_case("exr"));
+        let is_exr = path
+            .extension()
+            .is_some_and(|e| e.eq_ignore_ascii_case("exr"));
         if !is_exr {
             ldr::LdrFormat::of_path(&path).map_err(|e| UsageError(e.to_string()))?;
         }
         if outputs.iter().any(|(other, _)| *other == path) {
-            bail!(UsageError(format!("{}: is named twice as an output", path.display())));
+            bail!(UsageError(format!(
+                "{}: is named twice as an output",
+                path.display()
+            )));
         }
         check_writable(&path)?;
-        outputs.push((path, if is_exr { OutputKind::Exr } else { OutputKind::Display }));
+        outputs.push((
+            path,
+            if is_exr {
+                OutputKind::Exr
+            } else {
+                OutputKind::Display
+            },
+        ));
     }
     Ok(outputs)
 }
@@ -280,14 +300,22 @@ fn check_writable(path: &Path) -> anyhow::Result<()> {
     if path.is_dir() {
         bail!("{}: is a directory", path.display());
     }
-    let folder = path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    let folder = path
+        .parent()
+        .filter(|p| !p.as_os_str().is_empty())
+        .unwrap_or(Path::new("."));
     if !folder.is_dir() {
-        bail!("{}: there is no folder {}", path.display(), folder.display());
+        bail!(
+            "{}: there is no folder {}",
+            path.display(),
+            folder.display()
+        );
     }
     // Devices and pipes get the finished content copied; only files need a place beside them.
     if !path.exists() || path.is_file() {
-        tempfile::tempfile_in(folder)
-            .with_context(|| format!("{}: cannot write into {}", path.display(), folder.display()))?;
+        tempfile::tempfile_in(folder).with_context(|| {
+            format!("{}: cannot write into {}", path.display(), folder.display())
+        })?;
     }
     Ok(())
 }
@@ -295,9 +323,19 @@ fn check_writable(path: &Path) -> anyhow::Result<()> {
 /// Refuses outputs that would replace a file that the scene was read from, such as a texture beside its model.
 fn spare_inputs(outputs: &[(PathBuf, OutputKind)], scene: &Scene) -> anyhow::Result<()> {
     for (path, _) in outputs {
-        let Ok(output) = path.canonicalize() else { continue };
-        if let Some(input) = scene.files.iter().find(|f| f.canonicalize().is_ok_and(|f| f == output)) {
-            let cause = format!("{}: would replace an input, {}: choose another --output", path.display(), input.display());
+        let Ok(output) = path.canonicalize() else {
+            continue;
+        };
+        if let Some(input) = scene
+            .files
+            .iter()
+            .find(|f| f.canonicalize().is_ok_and(|f| f == output))
+        {
+            let cause = format!(
+                "{}: would replace an input, {}: choose another --output",
+                path.display(),
+                input.display()
+            );
             bail!(UsageError(cause));
         }
     }
@@ -307,13 +345,21 @@ fn spare_inputs(outputs: &[(PathBuf, OutputKind)], scene: &Scene) -> anyhow::Res
 fn window(args: &RenderArgs) -> anyhow::Result<PixelRect> {
     let size = args.resolution;
     if let Some((x, y)) = args.pixel.filter(|(x, y)| *x >= size.0 || *y >= size.1) {
-        let cause = format!("--pixel {x},{y} is outside the picture of {}x{} pixels", size.0, size.1);
+        let cause = format!(
+            "--pixel {x},{y} is outside the picture of {}x{} pixels",
+            size.0, size.1
+        );
         bail!(UsageError(cause));
     }
     let window = match (args.cropwindow, args.pixelbounds) {
         (Some(crop), _) => crop.pixels(size),
         (None, Some(bounds)) => bounds.pixels(size).map_err(UsageError)?,
-        (None, None) => PixelRect { x: 0, y: 0, width: size.0, height: size.1 },
+        (None, None) => PixelRect {
+            x: 0,
+            y: 0,
+            width: size.0,
+            height: size.1,
+        },
     };
     if window.area() > values::MOST_PIXELS && args.pixel.is_none() {
         let cause = format!(
