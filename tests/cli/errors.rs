@@ -99,6 +99,29 @@ const FAILURES: &[(&[&str], &[&str])] = &[
         &["taken.png: ", "is a directory"],
     ),
     (
+        &["render", "BLOCK", "--camera-index", "0"],
+        &["--camera-index 0", "no camera"],
+    ),
+    (
+        &["render", "OBJECTS", "--camera-index", "back"],
+        &["--camera-index back", "0 \"front\", 1 \"drawing\""],
+    ),
+    (
+        &[
+            "render",
+            "BLOCK",
+            "--camera-position",
+            "1,2,3",
+            "--camera-focal-point",
+            "1,2,3",
+        ],
+        &["the camera sees nothing"],
+    ),
+];
+
+/// The same for arguments that make no sense together or for the picture.
+const MISUSES: &[(&[&str], &[&str])] = &[
+    (
         &["render", "BLOCK", "-o", "a.tiff"],
         &["a.tiff: ", ".png, .jpg, .jpeg and .exr"],
     ),
@@ -121,23 +144,20 @@ const FAILURES: &[(&[&str], &[&str])] = &[
         &["--pixelbounds", "8x6"],
     ),
     (
-        &["render", "BLOCK", "--camera-index", "0"],
-        &["--camera-index 0", "no camera"],
+        &["render", "BLOCK", "-o", "a.png", "-o", "a.png"],
+        &["a.png: ", "twice"],
     ),
     (
-        &["render", "OBJECTS", "--camera-index", "back"],
-        &["--camera-index back", "0 \"front\", 1 \"drawing\""],
+        &["render", "BLOCK", "-o", "a.png", "--pixel", "0,0"],
+        &["--pixel", "--output"],
     ),
     (
-        &[
-            "render",
-            "BLOCK",
-            "--camera-position",
-            "1,2,3",
-            "--camera-focal-point",
-            "1,2,3",
-        ],
-        &["the camera sees nothing"],
+        &["render", "textured.obj"],
+        &["textured.png: would replace an input"],
+    ),
+    (
+        &["render", "BLOCK", "--resolution=65536x65536"],
+        &["4294967296 pixels", "--pixelbounds"],
     ),
 ];
 
@@ -148,6 +168,10 @@ fn folder_for_failures() -> tempfile::TempDir {
         fs::write(path(name), "").expect("a file");
     }
     fs::write(path("model.xyz"), "0 0 0\n").expect("a file");
+    let textured = "mtllib textured.mtl\nusemtl m\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
+    fs::write(path("textured.obj"), textured).expect("a file");
+    fs::write(path("textured.mtl"), "newmtl m\nmap_Kd textured.png\n").expect("a file");
+    fs::write(path("textured.png"), "an image, or not").expect("a file");
     for name in ["folder", "taken.png"] {
         fs::create_dir(path(name)).expect("a folder");
     }
@@ -163,7 +187,8 @@ fn with_models(args: &[&str]) -> Vec<String> {
             other => other.to_owned(),
         })
         .collect();
-    if args.first().is_some_and(|a| a == "render") {
+    let is_sized = args.iter().any(|a| a.starts_with("--resolution"));
+    if args.first().is_some_and(|a| a == "render") && !is_sized {
         args.extend(TINY.map(str::to_owned));
     }
     args
@@ -173,9 +198,10 @@ fn with_models(args: &[&str]) -> Vec<String> {
 fn what_cannot_be_done_is_one_line_and_leaves_nothing() {
     let folder = folder_for_failures();
     let before = names(folder.path());
-    for (args, words) in FAILURES {
+    let coded = |list: &'static [(_, _)], code: i32| list.iter().map(move |case| (case, code));
+    for ((args, words), code) in coded(FAILURES, 1).chain(coded(MISUSES, 2)) {
         let ran = bspray(folder.path(), &with_models(args));
-        assert_eq!(ran.code, Some(1), "{args:?}: {ran:?}");
+        assert_eq!(ran.code, Some(code), "{args:?}: {ran:?}");
         assert_eq!(ran.stderr.lines().count(), 1, "{args:?}: {ran:?}");
         assert!(ran.stderr.starts_with("error: "), "{args:?}: {ran:?}");
         for word in *words {

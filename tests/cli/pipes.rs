@@ -19,7 +19,7 @@ fn a_closed_standard_output_is_no_failure() {
         vec!["render", "--help"],
         render("--stats"),
         render("--json"),
-        [render("--json"), vec!["--pixel", "1,1"]].concat(),
+        [&["render", &block, "--json", "--pixel", "1,1"][..], &TINY].concat(),
     ] {
         let (reader, writer) = std::io::pipe().unwrap();
         drop(reader);
