@@ -1,0 +1,146 @@
+//! The floors of the design: which module may name which, and where the crates of formats and of the baseline are named.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+/// Modules of the library by floor. A file uses its own floor or a lower one; siblings that must not know each other are told
+/// apart below.
+const FLOORS: &[(&str, u32)] = &[
+    ("geometry", 1),
+    ("scene", 2),
+    ("picture", 2),
+    ("import", 3),
+    ("accel", 3),
+    ("render", 4),
+];
+
+/// Crates, and the only places that may name them.
+const HOMES: &[(&str, &str)] = &[
+    ("obvhs", "accel/bvh.rs"),
+    ("exr", "picture/exr.rs"),
+    ("image", "picture/ldr.rs"),
+    ("tobj", "import/obj/"),
+    ("gltf", "import/gltf/"),
+    ("earcut", "import/obj/"),
+    ("clap", "cli/"),
+];
+
+fn sources(folder: &Path, found: &mut Vec<PathBuf>) {
+    for entry in fs::read_dir(folder).expect("a folder of sources") {
+        let path = entry.expect("an entry").path();
+        if path.is_dir() {
+            sources(&path, found);
+        } else if path.extension().is_some_and(|e| e == "rs") {
+            found.push(path);
+        }
+    }
+}
+
+/// Every source with its path below `src` and its lines of code, without comments.
+fn code() -> Vec<(String, Vec<String>)> {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("src");
+    let mut paths = Vec::new();
+    sources(&root, &mut paths);
+    let read = |path: PathBuf| {
+        let name = path
+            .strip_prefix(&root)
+            .expect("below src")
+            .to_string_lossy()
+            .replace('\\', "/");
+        let text = fs::read_to_string(&path).expect("a source");
+        let lines = text
+            .lines()
+            .filter(|l| !l.trim_start().starts_with("//"))
+            .map(str::to_owned)
+            .collect();
+        (name, lines)
+    };
+    paths.into_iter().map(read).collect()
+}
+
+fn floor_of(module: &str) -> Option<u32> {
+    FLOORS
+        .iter()
+        .find(|(name, _)| *name == module)
+        .map(|(_, floor)| *floor)
+}
+
+#[test]
+fn no_file_uses_a_higher_floor_or_a_forbidden_sibling() {
+    let mut seen = 0;
+    for (name, lines) in code() {
+        let Some(own) = name
+            .split('/')
+            .next()
+            .and_then(|m| floor_of(m).map(|f| (m, f)))
+        else {
+            continue;
+        };
+        for line in &lines {
+            for used in line.split("crate::").skip(1) {
+                let module: String = used
+                    .chars()
+                    .take_while(|c| c.is_ascii_lowercase())
+                    .collect();
+                let Some(floor) = floor_of(&module) else {
+                    continue;
+                };
+                seen += 1;
+                assert!(
+                    floor <= own.1,
+                    "src/{name} is on floor {}, and uses {module} on {floor}: {line}",
+                    own.1
+                );
+                let pair = [own.0, module.as_str()];
+                let is_forbidden = pair == ["import", "accel"] || pair == ["accel", "import"];
+                assert!(
+                    !is_forbidden,
+                    "src/{name}: import and accel do not know each other: {line}"
+                );
+            }
+        }
+    }
+    assert!(
+        seen > 50,
+        "only {seen} uses found: is the layout another now?"
+    );
+}
+
+#[test]
+fn crates_are_named_at_home_only() {
+    for (krate, home) in HOMES {
+        let mut at_home = 0;
+        for (name, lines) in code() {
+            // `use exr::`, `obvhs::bvh2` and `::gltf::json`, but neither `picture::exr::` nor `my_exr::`.
+            let is_word = |c: char| c.is_alphanumeric() || c == '_';
+            let names = lines.iter().filter(|line| {
+                line.match_indices(&format!("{krate}::")).any(|(at, _)| {
+                    let before = line[..at].strip_suffix("::").unwrap_or(&line[..at]);
+                    !before.ends_with(is_word)
+                })
+            });
+            for line in names {
+                // Modules of ours bear the names of three of them.
+                let is_ours =
+                    ["import/mod.rs", "cli/render.rs", "picture/mod.rs"].contains(&name.as_str());
+                assert!(
+                    name.starts_with(home) || is_ours,
+                    "src/{name} names {krate}, whose home is {home}: {line}"
+                );
+                at_home += usize::from(name.starts_with(home));
+            }
+        }
+        assert!(at_home > 0, "nobody uses {krate}");
+    }
+}
+
+#[test]
+fn unsafe_code_has_its_own_folder() {
+    for (name, lines) in code() {
+        let is_home = name.starts_with("accel/bsp/wide/simd/");
+        let has_unsafe = lines
+            .iter()
+            .any(|l| l.contains("unsafe ") || l.contains("unsafe{"));
+        assert!(is_home || !has_unsafe, "src/{name} has unsafe code");
+    }
+}
