@@ -25,7 +25,8 @@ pub struct Sampler {
 impl Sampler {
     /// The numbers of sample `sample` of the pixel in column `x` and row `y`.
     pub fn new(x: u32, y: u32, sample: u32, seed: u32) -> Self {
-        let seed = hash(hash(hash(hash(seed) ^ x) ^ y) ^ (sample / SAMPLES));
+        // Pictures have at most 65,536 columns and rows.
+        let seed = hash(hash(seed ^ (sample / SAMPLES).rotate_right(8)) ^ (y << 16 | x));
         Self {
             seed,
             sample: sample % SAMPLES,

@@ -59,7 +59,8 @@ pub struct CameraFrame {
     forward: DVec3,
     /// Half the screen's width and height at distance 1 (perspective) or in model units (orthographic).
     half: (f64, f64),
-    size: (f64, f64),
+    /// Twice the reciprocal of the picture's width and height, per pixel.
+    scale: (f64, f64),
     is_perspective: bool,
 }
 
@@ -108,7 +109,7 @@ impl Camera {
             up,
             forward,
             half,
-            size,
+            scale: (2.0 / size.0, 2.0 / size.1),
             is_perspective,
         })
     }
@@ -119,8 +120,8 @@ impl CameraFrame {
     ///
     /// Its direction has unit length, so `t` is a distance in model units. `pixel` is what the ray will know of its pixel.
     pub fn ray(&self, x: f64, y: f64, pixel: Option<(u32, u32)>) -> Ray {
-        let right = (2.0 * x / self.size.0 - 1.0) * self.half.0;
-        let up = (1.0 - 2.0 * y / self.size.1) * self.half.1;
+        let right = (x * self.scale.0 - 1.0) * self.half.0;
+        let up = (1.0 - y * self.scale.1) * self.half.1;
         let offset = self.right * right + self.up * up;
         let (origin, direction) = if self.is_perspective {
             (self.origin, (self.forward + offset).normalize())
