@@ -139,14 +139,8 @@ pub(super) fn run(args: &RenderArgs) -> anyhow::Result<Done> {
     let load = started.elapsed().as_secs_f64();
     spare_inputs(&outputs, &scene)?;
     if !args.quiet {
-        scene
-            .notes
-            .iter()
-            .for_each(|note| output::message(&format!("note: {note}")));
-        scene
-            .defects
-            .iter()
-            .for_each(|defect| output::message(&format!("dropped: {defect}")));
+        tell("note", &scene.notes);
+        tell("dropped", &scene.defects);
     }
     let camera = args.camera.choose(&scene, args.resolution)?;
     let frame = camera
@@ -240,6 +234,22 @@ pub(super) fn run(args: &RenderArgs) -> anyhow::Result<Done> {
     } else {
         Done::Partially
     })
+}
+
+/// Notes or defects that are told one by one; `inspect` lists all.
+const TOLD: usize = 12;
+
+fn tell(kind: &str, messages: &[impl std::fmt::Display]) {
+    messages
+        .iter()
+        .take(TOLD)
+        .for_each(|m| output::message(&format!("{kind}: {m}")));
+    if messages.len() > TOLD {
+        output::message(&format!(
+            "{kind}: {} more, which `bspray inspect` lists",
+            messages.len() - TOLD
+        ));
+    }
 }
 
 enum OutputKind {
