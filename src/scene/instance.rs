@@ -36,7 +36,7 @@ impl Instance {
     }
 
     /// The inverse placement, or `None` where the matrix is singular, or where the inverse leaves the range in which a direction
-    /// can be rounded to single precision without loss ([`INVERSE_SCALES`]). Such instances are traced in world space.
+    /// can be rounded to single precision without loss (axes scaled by 1e-25 to 1e25). Such instances are traced in world space.
     pub fn object_from_world(&self) -> Option<DAffine3> {
         let determinant = self.world_from_object.matrix3.determinant();
         if determinant == 0.0 || !determinant.is_finite() {

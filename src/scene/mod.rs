@@ -118,7 +118,7 @@ impl Scene {
     }
 
     /// For each mesh, points in object space whose hull holds it: the vertices that a triangle uses, or, for a mesh that is placed
-    /// so often that these would be more than [`MOST_PLACED_POINTS`], the corners of its box.
+    /// so often that these would be more than four million, the corners of its box.
     pub fn clusters(&self) -> Vec<Vec<glam::Vec3>> {
         let mut uses = vec![0_usize; self.meshes.len()];
         self.instances
