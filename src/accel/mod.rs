@@ -6,6 +6,7 @@
 //! is the original one; every kind returns what `linear` returns, bit for bit, the least (t, instance, triangle) winning.
 
 mod bake;
+pub mod bsp;
 mod bvh;
 mod bvh_sets;
 mod counters;
@@ -15,6 +16,7 @@ mod linear;
 mod normalized;
 
 pub use bake::TestSpaces;
+pub use bsp::{BspOrder, BspQuality, BuildOptions};
 pub use counters::{BuildStats, TraceCounters};
 pub use hit::Hit;
 
@@ -61,6 +63,18 @@ pub trait Accelerator: Send + Sync {
     /// As [`Accelerator::any_hit`], and adds the steps it took to `counters`.
     fn any_hit_counted(&self, ray: &Ray, counters: &mut TraceCounters) -> bool;
 
+    /// The nearest hits of many rays: each as [`Accelerator::closest_hit`] has it. Neighbours that go the same way may be faster together.
+    ///
+    /// # Panics
+    /// If there are not as many answers as rays.
+    fn closest_hits(&self, rays: &[Ray], hits: &mut [Option<Hit>]);
+
+    /// Whether anything is hit, for many rays: each as [`Accelerator::any_hit`] has it.
+    ///
+    /// # Panics
+    /// If there are not as many answers as rays.
+    fn any_hits(&self, rays: &[Ray], hits: &mut [bool]);
+
     /// Its size.
     fn build_stats(&self) -> BuildStats;
 }
@@ -70,6 +84,18 @@ trait Trace: Send + Sync {
     fn trace_closest<C: Counter>(&self, ray: &Ray, counter: &mut C) -> Option<Hit>;
     fn trace_any<C: Counter>(&self, ray: &Ray, counter: &mut C) -> bool;
     fn stats(&self) -> BuildStats;
+
+    fn trace_closest_batch(&self, rays: &[Ray], hits: &mut [Option<Hit>]) {
+        for (ray, hit) in rays.iter().zip(hits) {
+            *hit = self.trace_closest(ray, &mut Uncounted);
+        }
+    }
+
+    fn trace_any_batch(&self, rays: &[Ray], hits: &mut [bool]) {
+        for (ray, hit) in rays.iter().zip(hits) {
+            *hit = self.trace_any(ray, &mut Uncounted);
+        }
+    }
 }
 
 /// What the level of instances needs of the structure of one set of triangles. Rays are traceable and in the set's space.
@@ -101,6 +127,16 @@ impl<T: Trace> Accelerator for T {
 
     fn any_hit_counted(&self, ray: &Ray, counters: &mut TraceCounters) -> bool {
         self.trace_any(ray, counters)
+    }
+
+    fn closest_hits(&self, rays: &[Ray], hits: &mut [Option<Hit>]) {
+        assert_eq!(rays.len(), hits.len(), "one answer a ray");
+        self.trace_closest_batch(rays, hits);
+    }
+
+    fn any_hits(&self, rays: &[Ray], hits: &mut [bool]) {
+        assert_eq!(rays.len(), hits.len(), "one answer a ray");
+        self.trace_any_batch(rays, hits);
     }
 
     fn build_stats(&self) -> BuildStats {
@@ -142,8 +178,13 @@ impl AcceleratorKind {
         }
     }
 
-    /// Builds the structure over all instances of the scene.
+    /// Builds the structure over all instances of the scene, as most users want it.
     pub fn build(self, scene: &Scene) -> Box<dyn Accelerator> {
+        self.build_with(scene, &BuildOptions::default())
+    }
+
+    /// Builds the structure over all instances of the scene. Kinds that leave no choice do not look at the options.
+    pub fn build_with(self, scene: &Scene, _options: &BuildOptions) -> Box<dyn Accelerator> {
         let baked = bake::bake(scene);
         let bvh = |baked, kind| {
             Instances::build(

@@ -1,0 +1,96 @@
+//! What can be chosen when a BSP is built.
+
+use std::fmt;
+
+/// How an accelerator is built, for those that leave a choice.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct BuildOptions {
+    /// For the wide tree: time spent on the build against speed of the answers.
+    pub quality: BspQuality,
+    /// For the polygon tree: which polygon is inserted next.
+    pub order: BspOrder,
+    /// For the polygon tree: whether neighbours that lie exactly in one plane enter as one polygon.
+    pub merges_coplanar: bool,
+    /// Seed of the polygon tree's random choices.
+    pub seed: u64,
+}
+
+/// Time spent on the wide tree's build against speed of the answers.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum BspQuality {
+    /// For pictures of few rays.
+    Fast,
+    /// For most pictures.
+    #[default]
+    Default,
+    /// For many rays.
+    Best,
+}
+
+impl BspQuality {
+    /// All of them, the fastest build first.
+    pub const ALL: [Self; 3] = [Self::Fast, Self::Default, Self::Best];
+
+    /// The name on the command line and in reports.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Fast => "fast",
+            Self::Default => "default",
+            Self::Best => "best",
+        }
+    }
+}
+
+/// Which polygon the polygon tree inserts next: the lecture's order, which has a "profound effect on the shape of the final tree".
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum BspOrder {
+    /// As the file has them.
+    File,
+    /// Shuffled.
+    Random,
+    /// By area, the largest first.
+    Largest,
+    /// Of a sample of candidates, the one whose plane splits the fewest.
+    FewestSplits,
+    /// Of a sample of candidates, the one with the most even halves.
+    Balanced,
+    /// Of a sample of candidates, the one with the least expected cost of a ray.
+    #[default]
+    Sah,
+}
+
+impl BspOrder {
+    /// All of them.
+    pub const ALL: [Self; 6] = [
+        Self::File,
+        Self::Random,
+        Self::Largest,
+        Self::FewestSplits,
+        Self::Balanced,
+        Self::Sah,
+    ];
+
+    /// The name on the command line and in reports.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::File => "file",
+            Self::Random => "random",
+            Self::Largest => "largest",
+            Self::FewestSplits => "fewest-splits",
+            Self::Balanced => "balanced",
+            Self::Sah => "sah",
+        }
+    }
+}
+
+impl fmt::Display for BspQuality {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.name())
+    }
+}
+
+impl fmt::Display for BspOrder {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.name())
+    }
+}
