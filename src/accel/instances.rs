@@ -43,6 +43,8 @@ pub(super) struct Instances<S, T> {
     sets: Vec<S>,
     placements: Vec<Placement>,
     top: T,
+    /// There is one set, and it is in world space.
+    is_lone: bool,
 }
 
 impl<S: TraceSet, T: Top> Instances<S, T> {
@@ -54,6 +56,7 @@ impl<S: TraceSet, T: Top> Instances<S, T> {
         let top = build_top(&baked.placements);
         Self {
             sets: baked.sets.into_iter().map(build_set).collect(),
+            is_lone: matches!(&*baked.placements, [only] if only.instance.is_none()),
             placements: baked.placements,
             top,
         }
@@ -77,6 +80,9 @@ impl<S: TraceSet, T: Top> Instances<S, T> {
 
 impl<S: TraceSet, T: Top> Trace for Instances<S, T> {
     fn trace_closest<C: Counter>(&self, ray: &Ray, counter: &mut C) -> Option<Hit> {
+        if self.is_lone {
+            return self.sets[0].closest_alone(ray, counter);
+        }
         if !ray.is_traceable() {
             return None;
         }
@@ -92,6 +98,9 @@ impl<S: TraceSet, T: Top> Trace for Instances<S, T> {
     }
 
     fn trace_any<C: Counter>(&self, ray: &Ray, counter: &mut C) -> bool {
+        if self.is_lone && ray.behind.is_none() {
+            return self.sets[0].any_alone(ray, counter);
+        }
         if !ray.is_traceable() {
             return false;
         }

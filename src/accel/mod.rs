@@ -67,13 +67,23 @@ pub trait Accelerator: Send + Sync {
     ///
     /// # Panics
     /// If there are not as many answers as rays.
-    fn closest_hits(&self, rays: &[Ray], hits: &mut [Option<Hit>]);
+    fn closest_hits(&self, rays: &[Ray], hits: &mut [Option<Hit>]) {
+        assert_eq!(rays.len(), hits.len(), "one answer a ray");
+        for (ray, hit) in rays.iter().zip(hits) {
+            *hit = self.closest_hit(ray);
+        }
+    }
 
     /// Whether anything is hit, for many rays: each as [`Accelerator::any_hit`] has it.
     ///
     /// # Panics
     /// If there are not as many answers as rays.
-    fn any_hits(&self, rays: &[Ray], hits: &mut [bool]);
+    fn any_hits(&self, rays: &[Ray], hits: &mut [bool]) {
+        assert_eq!(rays.len(), hits.len(), "one answer a ray");
+        for (ray, hit) in rays.iter().zip(hits) {
+            *hit = self.any_hit(ray);
+        }
+    }
 
     /// Its size.
     fn build_stats(&self) -> BuildStats;
@@ -110,6 +120,19 @@ trait TraceSet: Send + Sync {
     );
     fn any<C: Counter>(&self, ray: &Ray, counter: &mut C) -> bool;
     fn stats(&self) -> BuildStats;
+
+    /// The nearest hit, where this set is all there is. The ray need not be traceable.
+    fn closest_alone<C: Counter>(&self, ray: &Ray, counter: &mut C) -> Option<Hit> {
+        ray.is_traceable().then_some(())?;
+        let mut nearest = Nearest::of(ray);
+        self.closest(ray, None, &mut nearest, counter);
+        nearest.hit()
+    }
+
+    /// Whether anything is hit, where this set is all there is. The ray need not be traceable, and does not continue behind a hit.
+    fn any_alone<C: Counter>(&self, ray: &Ray, counter: &mut C) -> bool {
+        ray.is_traceable() && self.any(ray, counter)
+    }
 }
 
 impl<T: Trace> Accelerator for T {
@@ -149,8 +172,10 @@ impl<T: Trace> Accelerator for T {
 pub enum AcceleratorKind {
     /// Every triangle, one after the other.
     Linear,
-    /// obvhs's binary BVH.
+    /// A BSP of eight cells a node, each with the extent of its fragments.
     #[default]
+    Bsp,
+    /// obvhs's binary BVH.
     Bvh2,
     /// obvhs's compressed BVH of eight children a node (Ylitie, Karras, Laine 2017).
     Cwbvh,
@@ -158,12 +183,13 @@ pub enum AcceleratorKind {
 
 impl AcceleratorKind {
     /// All kinds, the default first.
-    pub const ALL: [Self; 3] = [Self::Bvh2, Self::Cwbvh, Self::Linear];
+    pub const ALL: [Self; 4] = [Self::Bsp, Self::Bvh2, Self::Cwbvh, Self::Linear];
 
     /// The name on the command line and in reports.
     pub const fn name(self) -> &'static str {
         match self {
             Self::Linear => "linear",
+            Self::Bsp => "bsp",
             Self::Bvh2 => "bvh2",
             Self::Cwbvh => "cwbvh",
         }
@@ -173,6 +199,9 @@ impl AcceleratorKind {
     pub const fn description(self) -> &'static str {
         match self {
             Self::Linear => "every triangle, one after the other: the reference",
+            Self::Bsp => {
+                "wide polygon BSP, eight cells a node with the extents of their fragments: the fastest"
+            }
             Self::Bvh2 => "binary bounding volume hierarchy (obvhs)",
             Self::Cwbvh => "compressed bounding volume hierarchy, eight children a node (obvhs)",
         }
@@ -184,7 +213,7 @@ impl AcceleratorKind {
     }
 
     /// Builds the structure over all instances of the scene. Kinds that leave no choice do not look at the options.
-    pub fn build_with(self, scene: &Scene, _options: &BuildOptions) -> Box<dyn Accelerator> {
+    pub fn build_with(self, scene: &Scene, options: &BuildOptions) -> Box<dyn Accelerator> {
         let baked = bake::bake(scene);
         let bvh = |baked, kind| {
             Instances::build(
@@ -197,6 +226,11 @@ impl AcceleratorKind {
             Self::Linear => Box::new(Instances::build(baked, LinearSet, |placements| {
                 EveryPlacement(placements.len() as u32)
             })),
+            Self::Bsp => Box::new(Instances::build(
+                baked,
+                |set| bsp::wide::WideSet::build(set, options.quality),
+                |placements| EveryPlacement(placements.len() as u32),
+            )),
             Self::Bvh2 => Box::new(bvh(baked, BvhKind::Binary)),
             Self::Cwbvh => Box::new(bvh(baked, BvhKind::Wide)),
         }

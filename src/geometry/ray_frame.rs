@@ -80,10 +80,18 @@ struct EdgeFunctions {
 impl RayFrame {
     /// The frame of this ray. That of a ray that is not [traceable](Ray::is_traceable) hits nothing.
     pub fn new(ray: &Ray) -> Self {
+        let mut frame = Self::of_traceable(ray);
+        if !ray.is_traceable() {
+            frame.axis = Axis::Never;
+        }
+        frame
+    }
+
+    /// The frame of a ray that is [traceable](Ray::is_traceable).
+    #[inline(always)]
+    pub(crate) fn of_traceable(ray: &Ray) -> Self {
         let magnitude = ray.direction.abs();
-        let axis = if !ray.is_traceable() {
-            Axis::Never
-        } else if magnitude.x > magnitude.y && magnitude.x > magnitude.z {
+        let axis = if magnitude.x > magnitude.y && magnitude.x > magnitude.z {
             Axis::X
         } else if magnitude.y > magnitude.z {
             Axis::Y
@@ -124,6 +132,12 @@ impl RayFrame {
         self.shear
     }
 
+    /// The direction's third component in the frame's order: its largest.
+    #[inline]
+    pub(crate) fn rate(&self) -> f32 {
+        self.axis.order(self.ray.direction).z
+    }
+
     /// Ends the interval at `max`, itself included: what a search for the closest hit does at each hit.
     #[inline]
     pub const fn set_max(&mut self, max: f32) {
@@ -141,6 +155,12 @@ impl RayFrame {
             Verdict::Meets => self.depth(triangle),
             Verdict::Doubt => self.settle(triangle),
         }
+    }
+
+    /// As [`intersect`](Self::intersect), for a triangle that the line is known to [meet](Verdict::Meets).
+    #[inline(always)]
+    pub fn intersect_met(&self, triangle: &Triangle) -> Option<f32> {
+        self.depth(triangle)
     }
 
     /// The first stage alone. What is [`Doubt`](Verdict::Doubt) costs the next stages: for statistics, and for tests
@@ -195,7 +215,7 @@ impl RayFrame {
     }
 
     /// The correctly rounded `t` of a line that meets the triangle, if it lies in the interval.
-    #[inline]
+    #[inline(always)]
     fn depth(&self, triangle: &Triangle) -> Option<f32> {
         let interval = self.ray.interval;
         let bounds = filter::depth(&self.ray, triangle);

@@ -75,6 +75,16 @@ pub fn edge_function_error(depth: f32, lateral: f32) -> f32 {
     2.0 * shear * (lateral + shear) + PRODUCT_ERROR * (lateral * lateral) + f32::MIN_POSITIVE
 }
 
+/// Error of a depth times the determinant, beside four times that of an edge function, in units of the determinant and of the greatest
+/// depth: 16 u.
+///
+/// In lanes, the depth of a hit along the frame's z is compared with an end `e` of the interval without a division: `T = U Az + V Bz + W Cz`
+/// with `e D`, `D = U + V + W`. Where no edge function is beyond its error `E` on the wrong side, `|U| + |V| + |W| <= |D| + 4 E`. `T` is wrong by
+/// `3 E M` for the edge functions, `u` of each product's size for each depth, and at most 3 u for products and sums: `4u (|D| + 4 E) M`; `e D` by
+/// `3 E |e|`, and 3 u for the sums, the product and the rounding of `e`, and the last difference by u of both. Together below `(M + |e|) (4 E + 5u |D|)`; the
+/// rest is for the roundings of the bound, and for an end that is compared with a rounded `t`.
+pub const LANE_DEPTH_ERROR: f32 = 16.0 * U32;
+
 /// Error of `det(d, p - o, q - p)` in `f64`, in units of its permanent.
 ///
 /// Seven roundings a term: two differences, a product, the minor's difference, a product, two sums.
@@ -122,6 +132,12 @@ pub const BVH_PADDING: f32 = 64.0 * U32;
 /// double precision to tell where it passes the scene to well within [`BVH_PADDING`]: 1e9 times 2^-53 is 1.1e-7.
 /// Such rays are tested against every triangle.
 pub const BVH_FAR: f64 = 1e9;
+
+/// Displacement of a box's face that covers every error of the wide BSP's walk, in units of the greatest coordinate of the ray's
+/// origin plus that of the scene.
+///
+/// TODO
+pub const WALK_ERROR: f32 = 32.0 * U32;
 
 /// Distance, in the same units, beyond which a ray's origin makes the tree above the instances visit them all.
 ///

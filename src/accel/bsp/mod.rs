@@ -1,5 +1,6 @@
 //! Trees of polygons split by planes, the lecture's "BSP Trees".
 
 mod options;
+pub(super) mod wide;
 
 pub use options::{BspOrder, BspQuality, BuildOptions};

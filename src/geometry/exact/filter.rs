@@ -57,12 +57,15 @@ pub(in crate::geometry) fn edge_function(ray: &Ray, from: Vec3, to: Vec3) -> (f6
 }
 
 /// `(b - a) x (c - a)` and its permanents, in square units.
+#[inline(always)]
 pub(in crate::geometry) fn normal(triangle: &Triangle) -> (DVec3, DVec3) {
-    let [a, b, c] = triangle.corners().map(|p| p.as_dvec3());
-    cross(b - a, c - a)
+    let [a, b, c] = triangle.corners();
+    let a = a.as_dvec3();
+    cross(b.as_dvec3() - a, c.as_dvec3() - a)
 }
 
 /// `a x b`, and the same with every term made positive.
+#[inline(always)]
 fn cross(a: DVec3, b: DVec3) -> (DVec3, DVec3) {
     let plus = DVec3::new(a.y * b.z, a.z * b.x, a.x * b.y);
     let minus = DVec3::new(a.z * b.y, a.x * b.z, a.y * b.x);
@@ -77,7 +80,7 @@ pub fn spans_plane(triangle: &Triangle) -> bool {
 
 /// An interval that holds the parameter `t` at which the ray's line meets the triangle's plane, in units of the
 /// direction's length; `None` if the line may be parallel to the plane.
-#[inline]
+#[inline(always)]
 pub fn depth(ray: &Ray, triangle: &Triangle) -> Option<(f64, f64)> {
     let (normal, permanent) = normal(triangle);
     let direction = ray.direction.as_dvec3();

@@ -1,0 +1,276 @@
+//! The binary tree: cells divided by planes until dividing no longer pays.
+//!
+//! Depth is bounded, and so is the number of fragments: each cell has an allowance of further fragments, which it hands on to
+//! its halves in proportion to what they hold. Both halves are built at the same time where they are large; since neither looks at
+//! the other, the tree is the same for any number of threads.
+
+use glam::Vec4;
+
+use super::collapse::Roots;
+use super::fragment::{Extent, Fragment};
+use super::plane::{self, Choice, Costs, Crossing, MOST_BINS};
+
+/// Triangles in a leaf, at most.
+pub(super) const LEAF_SIZE: usize = super::node::MOST_BLOCKS * super::node::WIDTH;
+
+/// Levels of division by planes; what is left then is halved by number, which takes at most 32 more.
+const MOST_LEVELS: u32 = 64;
+
+/// Fragments from which on the halves of a cell are built at the same time.
+const PARALLEL_FROM: usize = 4096;
+
+/// How the tree is built.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Plan {
+    pub(super) costs: Costs,
+    /// Bins an axis, for many fragments and for few.
+    pub(super) bins: [usize; 2],
+    /// Further fragments allowed, in units of the number of triangles.
+    pub(super) allowance: f32,
+}
+
+/// A node of the binary tree.
+pub(super) struct Cell {
+    pub(super) extent: Extent,
+    pub(super) content: Content,
+    /// What it costs to have it as one to eight roots.
+    pub(super) roots: Roots,
+    /// The triangles of all its fragments, in order, if they fill one block at most.
+    pub(super) members: Members,
+}
+
+pub(super) enum Content {
+    Leaf,
+    Inner(Box<[Cell; 2]>),
+}
+
+/// Up to [`LEAF_SIZE`] triangles, in order; or too many.
+#[derive(Clone, Copy)]
+pub(super) struct Members {
+    triangles: [u32; LEAF_SIZE],
+    count: u8,
+}
+
+impl Members {
+    const TOO_MANY: u8 = u8::MAX;
+
+    fn of(fragments: &[Fragment]) -> Self {
+        let mut all = Self {
+            triangles: [0; LEAF_SIZE],
+            count: 0,
+        };
+        fragments.iter().for_each(|f| all.insert(f.triangle()));
+        all
+    }
+
+    fn insert(&mut self, triangle: u32) {
+        let count = usize::from(self.count);
+        if self.count == Self::TOO_MANY {
+            return;
+        }
+        match self.triangles[..count].binary_search(&triangle) {
+            Ok(_) => {}
+            Err(_) if count == LEAF_SIZE => self.count = Self::TOO_MANY,
+            Err(at) => {
+                self.triangles.copy_within(at..count, at + 1);
+                self.triangles[at] = triangle;
+                self.count += 1;
+            }
+        }
+    }
+
+    fn union(a: &Self, b: &Self) -> Self {
+        let mut all = *a;
+        match b.get() {
+            Some(triangles) => triangles.iter().for_each(|&t| all.insert(t)),
+            None => all.count = Self::TOO_MANY,
+        }
+        all
+    }
+
+    /// The triangles, unless there are too many.
+    pub(super) fn get(&self) -> Option<&[u32]> {
+        self.triangles.get(..usize::from(self.count))
+    }
+}
+
+/// What stays the same throughout a build.
+pub(super) struct Builder<'a> {
+    /// The triangles in the tree's space.
+    pub(super) corners: &'a [[Vec4; 3]],
+    /// Bound on the rounding of a cut, see [`Fragment::split`].
+    pub(super) slack: f32,
+    pub(super) plan: Plan,
+}
+
+impl Builder<'_> {
+    /// The tree over all triangles.
+    pub(super) fn build(&self) -> Cell {
+        let whole = |(number, corners): (usize, &[Vec4; 3])| {
+            let mut extent = Extent::EMPTY;
+            corners.iter().for_each(|&p| extent.grow_point(p));
+            Fragment::new(extent, number as u32)
+        };
+        let fragments: Vec<Fragment> = self.corners.iter().enumerate().map(whole).collect();
+        let allowance = (fragments.len() as f32 * self.plan.allowance) as usize;
+        self.divide(fragments, allowance, 0)
+    }
+
+    fn divide(&self, fragments: Vec<Fragment>, allowance: usize, level: u32) -> Cell {
+        let (mut extent, mut middles) = (Extent::EMPTY, Extent::EMPTY);
+        for fragment in &fragments {
+            extent.grow(&fragment.extent());
+            middles.grow_point(fragment.middle());
+        }
+        let count = fragments.len();
+        if count <= 1 {
+            return Cell::leaf(extent, &fragments, &self.plan.costs);
+        }
+        let bins = self.plan.bins[usize::from(count <= 64)].min(MOST_BINS);
+        let choice = (level < MOST_LEVELS)
+            .then(|| {
+                plane::choose(
+                    &fragments,
+                    &extent,
+                    &middles,
+                    &self.plan.costs,
+                    bins,
+                    allowance > 0,
+                )
+            })
+            .flatten();
+        if count <= LEAF_SIZE {
+            let whole = self.plan.costs.leaf(count);
+            let pays = choice.is_some_and(|c| c.cost < whole);
+            if !pays {
+                return Cell::leaf(extent, &fragments, &self.plan.costs);
+            }
+        }
+        let halves = choice
+            .and_then(|choice| self.partition(&fragments, &choice, allowance))
+            .unwrap_or_else(|| {
+                let (a, b) = fragments.split_at(count / 2);
+                [a.to_vec(), b.to_vec()]
+            });
+        drop(fragments);
+        let more = (halves[0].len() + halves[1].len()).saturating_sub(count);
+        let left = allowance.saturating_sub(more) as f64;
+        let total = (halves[0].len() + halves[1].len()) as f64;
+        let shares = [0, 1].map(|side| (left * halves[side].len() as f64 / total) as usize);
+        let [a, b] = halves;
+        let (a, b) = if count >= PARALLEL_FROM {
+            rayon::join(
+                || self.divide(a, shares[0], level + 1),
+                || self.divide(b, shares[1], level + 1),
+            )
+        } else {
+            (
+                self.divide(a, shares[0], level + 1),
+                self.divide(b, shares[1], level + 1),
+            )
+        };
+        Cell::inner(extent, [a, b], &self.plan.costs)
+    }
+
+    /// The fragments below and above the plane; `None` if it does not divide them after all.
+    fn partition(
+        &self,
+        fragments: &[Fragment],
+        choice: &Choice,
+        allowance: usize,
+    ) -> Option<[Vec<Fragment>; 2]> {
+        let Choice { axis, position, .. } = *choice;
+        let [mut below, mut above] = choice
+            .sides
+            .map(|(_, count)| Vec::with_capacity(count as usize));
+        match choice.crossing {
+            Crossing::Keep => {
+                for fragment in fragments {
+                    let side = if fragment.middle()[axis] < position {
+                        &mut below
+                    } else {
+                        &mut above
+                    };
+                    side.push(*fragment);
+                }
+            }
+            Crossing::Split => {
+                let mut sides = choice.sides;
+                let mut left = allowance;
+                for fragment in fragments {
+                    let extent = fragment.extent();
+                    if extent.max[axis] <= position {
+                        below.push(*fragment);
+                    } else if extent.min[axis] >= position {
+                        above.push(*fragment);
+                    } else {
+                        let keep = self.keeps_whole(&extent, &mut sides, left == 0);
+                        if let Some(side) = keep {
+                            [&mut below, &mut above][side].push(*fragment);
+                            continue;
+                        }
+                        let corners = &self.corners[fragment.triangle() as usize];
+                        let [a, b] = fragment.split(corners, axis, position, self.slack);
+                        left -= usize::from(a.is_some() && b.is_some());
+                        below.extend(a);
+                        above.extend(b);
+                    }
+                }
+            }
+        }
+        let count = fragments.len();
+        let is_progress = below.len() < count || above.len() < count;
+        let divides = is_progress && !below.is_empty() && !above.is_empty();
+        divides.then_some([below, above])
+    }
+
+    /// Whether a fragment that the plane crosses costs less when it is kept whole, and on which side.
+    fn keeps_whole(
+        &self,
+        extent: &Extent,
+        sides: &mut [(Extent, u32); 2],
+        must: bool,
+    ) -> Option<usize> {
+        let costs = &self.plan.costs;
+        let [(a, na), (b, nb)] = *sides;
+        let widened = |mut side: Extent| {
+            side.grow(extent);
+            side
+        };
+        let split = a.half_area() * costs.of(na) + b.half_area() * costs.of(nb);
+        let in_a =
+            widened(a).half_area() * costs.of(na) + b.half_area() * costs.of(nb.saturating_sub(1));
+        let in_b =
+            a.half_area() * costs.of(na.saturating_sub(1)) + widened(b).half_area() * costs.of(nb);
+        if !must && split <= in_a.min(in_b) {
+            return None;
+        }
+        let side = usize::from(in_b < in_a);
+        sides[side].0 = widened(sides[side].0);
+        sides[1 - side].1 = sides[1 - side].1.saturating_sub(1);
+        Some(side)
+    }
+}
+
+impl Cell {
+    fn leaf(extent: Extent, fragments: &[Fragment], costs: &Costs) -> Self {
+        let members = Members::of(fragments);
+        Self {
+            extent,
+            content: Content::Leaf,
+            roots: Roots::of_leaf(&extent, &members, costs),
+            members,
+        }
+    }
+
+    fn inner(extent: Extent, halves: [Self; 2], costs: &Costs) -> Self {
+        let members = Members::union(&halves[0].members, &halves[1].members);
+        let roots = Roots::of_halves(&extent, &halves, &members, costs);
+        Self {
+            extent,
+            content: Content::Inner(Box::new(halves)),
+            roots,
+            members,
+        }
+    }
+}

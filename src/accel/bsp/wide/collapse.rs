@@ -1,0 +1,116 @@
+//! From the binary tree to nodes of eight children, by dynamic programming.
+//!
+//! After Ylitie, Karras, Laine, "Efficient Incoherent Ray Traversal on GPUs Through Compressed Wide BVHs", 2017: for each cell, the
+//! least cost of having it as one root, as two, up to eight. One root is a leaf, if its triangles fill one block at most, or a node.
+
+use super::build::{Cell, Content, Members};
+use super::fragment::Extent;
+use super::node::{Node, WIDTH, Word};
+use super::plane::Costs;
+use super::store::Store;
+use crate::accel::bake::NamedTriangle;
+
+/// What a wide node costs, in the unit of [`Costs`]: the test of its eight children.
+const NODE: f32 = 1.0;
+
+/// The least cost of a cell as one to eight roots, weighted by the areas of extents.
+#[derive(Clone, Copy)]
+pub(super) struct Roots {
+    cost: [f32; WIDTH],
+    /// As one root, it is a leaf.
+    is_leaf: bool,
+}
+
+impl Roots {
+    fn leaf_cost(extent: &Extent, members: &Members, costs: &Costs) -> f32 {
+        members.get().map_or(f32::INFINITY, |triangles| {
+            extent.half_area() * costs.leaf(triangles.len())
+        })
+    }
+
+    pub(super) fn of_leaf(extent: &Extent, members: &Members, costs: &Costs) -> Self {
+        Self {
+            cost: [Self::leaf_cost(extent, members, costs); WIDTH],
+            is_leaf: true,
+        }
+    }
+
+    pub(super) fn of_halves(
+        extent: &Extent,
+        halves: &[Cell; 2],
+        members: &Members,
+        costs: &Costs,
+    ) -> Self {
+        let [a, b] = [&halves[0].roots, &halves[1].roots];
+        let mut cost = [f32::INFINITY; WIDTH];
+        for roots in 2..=WIDTH {
+            cost[roots - 1] = (1..roots)
+                .map(|k| a.cost[k - 1] + b.cost[roots - k - 1])
+                .fold(f32::INFINITY, f32::min);
+        }
+        let node = cost[WIDTH - 1] + extent.half_area() * NODE;
+        let leaf = Self::leaf_cost(extent, members, costs);
+        let is_leaf = leaf <= node;
+        cost[0] = leaf.min(node);
+        for roots in 1..WIDTH {
+            cost[roots] = cost[roots].min(cost[roots - 1]);
+        }
+        Self { cost, is_leaf }
+    }
+}
+
+/// The cells that become the roots of `cell`, at most `roots` many.
+#[allow(
+    clippy::float_cmp,
+    reason = "the same sums, computed again, to find which one was the least"
+)]
+fn roots<'a>(cell: &'a Cell, roots_left: usize, is_top: bool, found: &mut Vec<&'a Cell>) {
+    let Content::Inner(halves) = &cell.content else {
+        found.push(cell);
+        return;
+    };
+    let mut count = roots_left;
+    if !is_top {
+        while count > 1 && cell.roots.cost[count - 1] >= cell.roots.cost[count - 2] {
+            count -= 1;
+        }
+        if count == 1 {
+            found.push(cell);
+            return;
+        }
+    }
+    let [a, b] = [&halves[0].roots.cost, &halves[1].roots.cost];
+    let sum = |k: usize| a[k - 1] + b[count - k - 1];
+    let mut best = 1;
+    for k in 2..count {
+        if sum(k) < sum(best) {
+            best = k;
+        }
+    }
+    roots(&halves[0], best, false, found);
+    roots(&halves[1], count - best, false, found);
+}
+
+/// Writes the tree; the word for its root, and its levels.
+pub(super) fn write(cell: &Cell, triangles: &[NamedTriangle], store: &mut Store) -> (Word, u32) {
+    if cell.roots.is_leaf
+        && let Some(members) = cell.members.get()
+    {
+        return (
+            store.push_leaf(members, |n| triangles[n as usize].triangle),
+            1,
+        );
+    }
+    let mut children = Vec::with_capacity(WIDTH);
+    roots(cell, WIDTH, true, &mut children);
+    let index = store.reserve_node();
+    let mut node = Node::EMPTY;
+    let mut levels = 0;
+    for (lane, child) in children.into_iter().enumerate() {
+        let (word, below) = write(child, triangles, store);
+        node.set(lane, &child.extent, word);
+        levels = levels.max(below);
+    }
+    store.set_node(index, node);
+    (Word::node(index), levels + 1)
+}

@@ -1,0 +1,263 @@
+//! The wide BSP: polygons split into cells by planes, and every cell with the extent of its own point cluster.
+//!
+//! The lecture's two halves in one structure. Planes divide the polygons into cells ([`plane`], [`build`]); the fragments in a cell are a point
+//! cluster, and its extent is what a ray is tested against, eight cells at a time ([`node`], [`simd`]). Leaves hold up to eight
+//! original triangles, tested at once: fragments steer, originals are hit, by the crate's one test ([`RayFrame`]), so that answers are
+//! exact and the same for every set of instructions.
+//!
+//! Kin: the BVH with spatial splits of Stich, Friedrich, Dietrich 2009; the general BSP of Ize, Wald, Parker 2008; early split clipping of Ernst and
+//! Greiner 2007.
+
+mod build;
+mod collapse;
+mod fragment;
+mod node;
+mod plane;
+mod simd;
+mod store;
+mod walk;
+
+use glam::Vec4;
+
+use super::options::BspQuality;
+use crate::accel::TraceSet;
+use crate::accel::bake::TriangleSet;
+use crate::accel::counters::{BuildStats, Counter};
+use crate::accel::hit::{Hit, Nearest};
+use crate::geometry::{Ray, RayFrame};
+use build::{Builder, Plan};
+use node::Word;
+use plane::Costs;
+use simd::{Instructions, Occluded, Tree};
+use store::Store;
+use walk::Reach;
+
+/// A set of triangles under a wide BSP.
+pub(in crate::accel) struct WideSet {
+    store: Store,
+    root: Word,
+    reach: Reach,
+    depth: u32,
+    instructions: Instructions,
+    names: Names,
+}
+
+/// The names of triangles by their number: in the order of instances, and in each of triangles.
+struct Names {
+    count: u32,
+    /// Where each instance's numbers begin.
+    instances: Vec<(u32, u32)>,
+}
+
+impl Names {
+    fn of(set: &TriangleSet) -> Self {
+        let mut instances: Vec<(u32, u32)> = Vec::new();
+        for (number, named) in set.iter().enumerate() {
+            let number = number as u32;
+            if instances
+                .last()
+                .is_none_or(|&(_, last)| last != named.instance)
+            {
+                instances.push((number - named.index, named.instance));
+            }
+        }
+        Self {
+            count: set.len() as u32,
+            instances,
+        }
+    }
+
+    /// Instance and triangle.
+    #[inline(always)]
+    fn name(&self, number: u32) -> (u32, u32) {
+        let at = if self.instances.len() == 1 {
+            0
+        } else {
+            self.instances
+                .partition_point(|&(first, _)| first <= number)
+                - 1
+        };
+        let (first, instance) = self.instances[at];
+        (instance, number - first)
+    }
+
+    /// How many come up to this name, itself included, when hits are under the name of `instance` or of their own.
+    fn up_to(&self, name: (u32, u32), instance: Option<u32>) -> u32 {
+        let (mut low, mut high) = (0, self.count);
+        while low < high {
+            let middle = low + (high - low) / 2;
+            let (own, index) = self.name(middle);
+            if (instance.unwrap_or(own), index) <= name {
+                low = middle + 1
+            } else {
+                high = middle
+            }
+        }
+        low
+    }
+}
+
+/// Costs in the unit of a node's test, found by trial on the scenes of `benches/record`.
+const COSTS: Costs = Costs {
+    step: 1.0,
+    leaf: 0.4,
+    block: 0.6,
+    triangle: 0.02,
+};
+
+fn plan(quality: BspQuality) -> Plan {
+    let (bins, allowance) = match quality {
+        BspQuality::Fast => ([16, 8], 0.0),
+        BspQuality::Default => ([32, 16], 1.0),
+        BspQuality::Best => ([32, 32], 2.0),
+    };
+    Plan {
+        costs: COSTS,
+        bins,
+        allowance,
+    }
+}
+
+impl WideSet {
+    fn tree(&self) -> Tree<'_> {
+        Tree {
+            store: &self.store,
+            root: self.root,
+            reach: self.reach,
+        }
+    }
+
+    fn offer(&self, t: f32, number: u32, instance: Option<u32>, nearest: &mut Nearest) {
+        let (own, index) = self.names.name(number);
+        nearest.offer(t, instance.unwrap_or(own), index);
+    }
+
+    /// Which hits a ray that continues behind another passes over: up to which `t`, and below which number.
+    fn passed(&self, ray: &Ray, instance: Option<u32>) -> Option<(f32, u32)> {
+        let name = ray.behind?;
+        Some((ray.interval.min, self.names.up_to(name, instance)))
+    }
+
+    /// For rays that the walk is not for.
+    #[cold]
+    fn test_everything<C: Counter>(
+        &self,
+        ray: &Ray,
+        instance: Option<u32>,
+        nearest: &mut Nearest,
+        counter: &mut C,
+    ) {
+        let frame = RayFrame::new(ray);
+        for (number, triangle) in self.store.all_triangles() {
+            counter.primitives(1);
+            if let Some(t) = frame.intersect(&triangle) {
+                self.offer(t, number, instance, nearest);
+            }
+        }
+    }
+
+    pub(in crate::accel) fn build(triangles: TriangleSet, quality: BspQuality) -> Self {
+        let point = |p: glam::Vec3| p.extend(0.0);
+        let corners: Vec<[Vec4; 3]> = triangles
+            .iter()
+            .map(|t| t.triangle.corners().map(point))
+            .collect();
+        let largest = corners
+            .iter()
+            .flatten()
+            .fold(0.0_f32, |most, p| most.max(p.abs().max_element()));
+        let builder = Builder {
+            corners: &corners,
+            slack: 16.0 * crate::geometry::tolerance::U32 * largest,
+            plan: plan(quality),
+        };
+        let tree = builder.build();
+        let mut store = Store::default();
+        let (root, depth) = collapse::write(&tree, &triangles, &mut store);
+        store.finish();
+        Self {
+            store,
+            root,
+            reach: Reach { largest },
+            depth,
+            instructions: Instructions::best(),
+            names: Names::of(&triangles),
+        }
+    }
+}
+
+impl TraceSet for WideSet {
+    fn closest<C: Counter>(
+        &self,
+        ray: &Ray,
+        instance: Option<u32>,
+        nearest: &mut Nearest,
+        counter: &mut C,
+    ) {
+        let found = simd::closest(
+            self.instructions,
+            self.tree(),
+            ray,
+            self.passed(ray, instance),
+            counter,
+        );
+        if let Some(number) = found.number() {
+            self.offer(found.t, number, instance, nearest);
+        } else if found.is_unusual() {
+            self.test_everything(ray, instance, nearest, counter);
+        }
+    }
+
+    fn any<C: Counter>(&self, ray: &Ray, counter: &mut C) -> bool {
+        match simd::any(self.instructions, self.tree(), ray, counter) {
+            Occluded::Yes => true,
+            Occluded::No => false,
+            Occluded::Unusual => {
+                let mut nearest = Nearest::of(ray);
+                self.test_everything(ray, None, &mut nearest, counter);
+                nearest.hit().is_some()
+            }
+        }
+    }
+
+    fn closest_alone<C: Counter>(&self, ray: &Ray, counter: &mut C) -> Option<Hit> {
+        let passed = if ray.behind.is_some() {
+            self.passed(ray, None)
+        } else {
+            None
+        };
+        let found = simd::closest(self.instructions, self.tree(), ray, passed, counter);
+        if let Some(number) = found.number() {
+            let (instance, triangle) = self.names.name(number);
+            return Some(Hit {
+                t: found.t,
+                instance,
+                triangle,
+            });
+        }
+        if found.is_unusual() && ray.is_traceable() {
+            let mut nearest = Nearest::of(ray);
+            self.test_everything(ray, None, &mut nearest, counter);
+            return nearest.hit();
+        }
+        None
+    }
+
+    fn any_alone<C: Counter>(&self, ray: &Ray, counter: &mut C) -> bool {
+        match simd::any(self.instructions, self.tree(), ray, counter) {
+            Occluded::Yes => true,
+            Occluded::No => false,
+            Occluded::Unusual => ray.is_traceable() && self.any(ray, counter),
+        }
+    }
+
+    fn stats(&self) -> BuildStats {
+        BuildStats {
+            triangles: u64::from(self.names.count),
+            nodes: (self.store.nodes.len() + self.store.leaves.len()) as u64,
+            depth: self.depth,
+            bytes: (self.store.bytes() + size_of_val(&*self.names.instances)) as u64,
+            ..BuildStats::default()
+        }
+    }
+}

@@ -1,0 +1,131 @@
+//! Eight lanes of AVX2 and FMA.
+
+use std::arch::x86_64::{
+    __m256, _CMP_LE_OQ, _CMP_LT_OQ, _mm256_add_ps, _mm256_and_ps, _mm256_andnot_ps, _mm256_cmp_ps,
+    _mm256_div_ps, _mm256_fmadd_ps, _mm256_fmsub_ps, _mm256_fnmadd_ps, _mm256_loadu_ps,
+    _mm256_max_ps, _mm256_min_ps, _mm256_movemask_ps, _mm256_mul_ps, _mm256_set1_ps,
+    _mm256_storeu_ps, _mm256_sub_ps, _mm256_xor_ps,
+};
+
+use super::{Found, Occluded, Passed, Tree, kernel, single};
+use crate::accel::counters::Counter;
+use crate::geometry::Ray;
+
+#[derive(Clone, Copy)]
+pub(super) struct Lanes(__m256);
+
+// SAFETY of all blocks: the trait's promise, and for addresses its own.
+impl kernel::Lanes for Lanes {
+    #[inline(always)]
+    unsafe fn splat(x: f32) -> Self {
+        // SAFETY: the trait's promise.
+        Self(unsafe { _mm256_set1_ps(x) })
+    }
+    #[inline(always)]
+    unsafe fn load(from: *const f32) -> Self {
+        // SAFETY: the trait's promise.
+        Self(unsafe { _mm256_loadu_ps(from) })
+    }
+    #[inline(always)]
+    unsafe fn store(self, to: &mut [f32; 8]) {
+        // SAFETY: the trait's promise.
+        unsafe { _mm256_storeu_ps(to.as_mut_ptr(), self.0) }
+    }
+    #[inline(always)]
+    unsafe fn add(self, other: Self) -> Self {
+        // SAFETY: the trait's promise.
+        Self(unsafe { _mm256_add_ps(self.0, other.0) })
+    }
+    #[inline(always)]
+    unsafe fn sub(self, other: Self) -> Self {
+        // SAFETY: the trait's promise.
+        Self(unsafe { _mm256_sub_ps(self.0, other.0) })
+    }
+    #[inline(always)]
+    unsafe fn mul(self, other: Self) -> Self {
+        // SAFETY: the trait's promise.
+        Self(unsafe { _mm256_mul_ps(self.0, other.0) })
+    }
+    #[inline(always)]
+    unsafe fn div(self, other: Self) -> Self {
+        // SAFETY: the trait's promise.
+        Self(unsafe { _mm256_div_ps(self.0, other.0) })
+    }
+    #[inline(always)]
+    unsafe fn mul_add(self, factor: Self, summand: Self) -> Self {
+        // SAFETY: the trait's promise.
+        Self(unsafe { _mm256_fmadd_ps(self.0, factor.0, summand.0) })
+    }
+    #[inline(always)]
+    unsafe fn neg_mul_add(self, factor: Self, summand: Self) -> Self {
+        // SAFETY: the trait's promise.
+        Self(unsafe { _mm256_fnmadd_ps(self.0, factor.0, summand.0) })
+    }
+    #[inline(always)]
+    unsafe fn mul_sub(self, factor: Self, less: Self) -> Self {
+        // SAFETY: the trait's promise.
+        Self(unsafe { _mm256_fmsub_ps(self.0, factor.0, less.0) })
+    }
+    #[inline(always)]
+    unsafe fn min(self, other: Self) -> Self {
+        // SAFETY: the trait's promise.
+        Self(unsafe { _mm256_min_ps(self.0, other.0) })
+    }
+    #[inline(always)]
+    unsafe fn max(self, other: Self) -> Self {
+        // SAFETY: the trait's promise.
+        Self(unsafe { _mm256_max_ps(self.0, other.0) })
+    }
+    #[inline(always)]
+    unsafe fn at_most(self, other: Self) -> u32 {
+        // SAFETY: the trait's promise.
+        (unsafe { _mm256_movemask_ps(_mm256_cmp_ps::<_CMP_LE_OQ>(self.0, other.0)) }) as u32
+    }
+    #[inline(always)]
+    unsafe fn below(self, other: Self) -> u32 {
+        // SAFETY: the trait's promise.
+        (unsafe { _mm256_movemask_ps(_mm256_cmp_ps::<_CMP_LT_OQ>(self.0, other.0)) }) as u32
+    }
+    #[inline(always)]
+    unsafe fn abs(self) -> Self {
+        // SAFETY: the trait's promise.
+        Self(unsafe { _mm256_andnot_ps(_mm256_set1_ps(-0.0), self.0) })
+    }
+    #[inline(always)]
+    unsafe fn flipped_with(self, other: Self) -> Self {
+        // SAFETY: the trait's promise.
+        Self(unsafe { _mm256_xor_ps(self.0, _mm256_and_ps(other.0, _mm256_set1_ps(-0.0))) })
+    }
+    #[inline(always)]
+    unsafe fn below_and_above(self, low: Self, other: Self, high: Self) -> u32 {
+        // SAFETY: the trait's promise.
+        (unsafe {
+            let below = _mm256_cmp_ps::<_CMP_LT_OQ>(self.0, low.0);
+            let above = _mm256_cmp_ps::<_CMP_LT_OQ>(high.0, other.0);
+            _mm256_movemask_ps(_mm256_and_ps(below, above))
+        }) as u32
+    }
+}
+
+/// [`single::closest`] with these instructions.
+///
+/// # Safety
+/// The machine must have them.
+#[target_feature(enable = "avx2,fma,bmi1")]
+pub(super) unsafe fn closest<C: Counter>(
+    tree: Tree<'_>,
+    ray: &Ray,
+    passed: Passed,
+    counter: &mut C,
+) -> Found {
+    single::closest::<Lanes, C>(tree, ray, passed, counter)
+}
+
+/// [`single::any`] with these instructions.
+///
+/// # Safety
+/// The machine must have them.
+#[target_feature(enable = "avx2,fma,bmi1")]
+pub(super) unsafe fn any<C: Counter>(tree: Tree<'_>, ray: &Ray, counter: &mut C) -> Occluded {
+    single::any::<Lanes, C>(tree, ray, counter)
+}

@@ -1,0 +1,268 @@
+//! What a set of instructions has to offer: eight lanes, and the two tests made of them.
+
+use super::super::node::Node;
+use super::super::store::HEADER;
+use super::super::walk::{LaneRay, WalkRay};
+use crate::geometry::tolerance::{LANE_DEPTH_ERROR, PRODUCT_ERROR, SHEAR_ERROR};
+
+/// Eight lanes of `f32`.
+///
+/// # Safety
+/// Every function may be called only where the machine has the instructions.
+pub(super) trait Lanes: Copy {
+    unsafe fn splat(x: f32) -> Self;
+    /// From any address of eight floats.
+    unsafe fn load(from: *const f32) -> Self;
+    unsafe fn store(self, to: &mut [f32; 8]);
+    unsafe fn add(self, other: Self) -> Self;
+    unsafe fn sub(self, other: Self) -> Self;
+    unsafe fn mul(self, other: Self) -> Self;
+    unsafe fn div(self, other: Self) -> Self;
+    /// `self * factor + summand`, fused or not.
+    unsafe fn mul_add(self, factor: Self, summand: Self) -> Self;
+    /// `summand - self * factor`, fused or not.
+    unsafe fn neg_mul_add(self, factor: Self, summand: Self) -> Self;
+    /// `self * factor - less`, fused or not.
+    unsafe fn mul_sub(self, factor: Self, less: Self) -> Self;
+    unsafe fn min(self, other: Self) -> Self;
+    unsafe fn max(self, other: Self) -> Self;
+    /// A bit for each lane where `self <= other`.
+    unsafe fn at_most(self, other: Self) -> u32;
+    /// A bit for each lane where `self < other`.
+    unsafe fn below(self, other: Self) -> u32;
+    /// A bit for each lane where `self < low` and `high < other`.
+    unsafe fn below_and_above(self, low: Self, other: Self, high: Self) -> u32;
+    unsafe fn abs(self) -> Self;
+    /// With its sign flipped where `other` is negative.
+    unsafe fn flipped_with(self, other: Self) -> Self;
+}
+
+/// A ray in lanes, for the test of a node.
+#[derive(Clone, Copy)]
+pub(super) struct NodeRay<L> {
+    inverse: [L; 3],
+    enter: [L; 3],
+    leave: [L; 3],
+    /// Rows of a node's bounds where the ray enters, and where it leaves.
+    near: [usize; 3],
+    far: [usize; 3],
+    first: L,
+}
+
+impl<L: Lanes> NodeRay<L> {
+    /// # Safety
+    /// As for [`Lanes`].
+    #[inline(always)]
+    pub(super) unsafe fn new(walk: &WalkRay, first: f32) -> Self {
+        let sign = |axis: usize| walk.negative >> axis & 1;
+        let near = [3 * sign(0), 1 + 3 * sign(1), 2 + 3 * sign(2)];
+        // SAFETY: the caller's promise.
+        unsafe {
+            Self {
+                inverse: splat3(walk.inverse.to_array()),
+                enter: splat3(walk.enter.to_array()),
+                leave: splat3(walk.leave.to_array()),
+                near,
+                far: [3 - near[0], 5 - near[1], 7 - near[2]],
+                first: L::splat(first),
+            }
+        }
+    }
+
+    #[inline(always)]
+    unsafe fn enters(&self, node: &Node, axis: usize) -> L {
+        // SAFETY: the caller's promise.
+        unsafe { row::<L>(node, self.near[axis]).mul_add(self.inverse[axis], self.enter[axis]) }
+    }
+
+    #[inline(always)]
+    unsafe fn leaves(&self, node: &Node, axis: usize) -> L {
+        // SAFETY: the caller's promise.
+        unsafe { row::<L>(node, self.far[axis]).mul_add(self.inverse[axis], self.leave[axis]) }
+    }
+
+    /// The children whose extents the ray meets before `last`: a bit for each, and where it enters them.
+    ///
+    /// # Safety
+    /// As for [`Lanes`].
+    #[inline(always)]
+    pub(super) unsafe fn test(&self, node: &Node, last: L) -> (u32, L) {
+        // SAFETY: the caller's promise.
+        unsafe {
+            let enter = [
+                self.enters(node, 0),
+                self.enters(node, 1),
+                self.enters(node, 2),
+            ];
+            let leave = [
+                self.leaves(node, 0),
+                self.leaves(node, 1),
+                self.leaves(node, 2),
+            ];
+            let first = enter[0].max(enter[1]).max(enter[2].max(self.first));
+            let last = leave[0].min(leave[1]).min(leave[2].min(last));
+            (first.at_most(last), first)
+        }
+    }
+}
+
+/// # Safety
+/// As for [`Lanes`].
+#[inline(always)]
+unsafe fn splat3<L: Lanes>(v: [f32; 3]) -> [L; 3] {
+    // SAFETY: the caller's promise.
+    unsafe { [L::splat(v[0]), L::splat(v[1]), L::splat(v[2])] }
+}
+
+/// A row of a node's bounds.
+///
+/// # Safety
+/// As for [`Lanes`]; rows are below 6.
+#[inline(always)]
+unsafe fn row<L: Lanes>(node: &Node, row: usize) -> L {
+    // SAFETY: the caller's promise.
+    unsafe { L::load(node.bounds.get_unchecked(row).as_ptr()) }
+}
+
+/// A ray in lanes, for the test of a block.
+#[derive(Clone, Copy)]
+pub(super) struct BlockRay<L> {
+    axes: [usize; 3],
+    origin: [L; 3],
+    shear: [L; 2],
+    /// Its sign is the direction's along the frame's z.
+    rate: L,
+    error: f32,
+}
+
+impl<L: Lanes> BlockRay<L> {
+    /// # Safety
+    /// As for [`Lanes`].
+    #[inline(always)]
+    pub(super) unsafe fn new(ray: &LaneRay) -> Self {
+        // SAFETY: the caller's promise.
+        unsafe {
+            Self {
+                axes: ray.axes,
+                origin: splat3(ray.origin),
+                shear: [L::splat(ray.shear[0]), L::splat(ray.shear[1])],
+                rate: L::splat(ray.rate),
+                error: ray.error,
+            }
+        }
+    }
+
+    /// The corners whose coordinates stand in the three rows from `rows` on, in the frame of the ray.
+    ///
+    /// # Safety
+    /// As for [`Lanes`]; there are three rows of `count` floats, and eight floats may be read from the start of each.
+    #[inline(always)]
+    unsafe fn sheared(&self, rows: *const f32, count: usize) -> [L; 3] {
+        // SAFETY: the caller's promise.
+        unsafe {
+            let z = L::load(rows.add(self.axes[2] * count)).sub(self.origin[2]);
+            let x = L::load(rows.add(self.axes[0] * count)).sub(self.origin[0]);
+            let y = L::load(rows.add(self.axes[1] * count)).sub(self.origin[1]);
+            [
+                self.shear[0].neg_mul_add(z, x),
+                self.shear[1].neg_mul_add(z, y),
+                z,
+            ]
+        }
+    }
+
+    /// The triangles of a block that the ray may hit.
+    ///
+    /// First the edge functions of Woop, Benthin and Wald, as [`RayFrame`](crate::geometry::RayFrame) has them, against a bound on
+    /// their error that holds for every triangle of the block which the line meets. For what is left, which is little, the bound
+    /// of each lane, and where along the ray they lie.
+    ///
+    /// # Safety
+    /// As for [`Lanes`]; `block` begins a block of `count` triangles.
+    #[inline(always)]
+    pub(super) unsafe fn test(
+        &self,
+        block: *const f32,
+        count: usize,
+        ends: [f32; 2],
+    ) -> Candidates<L> {
+        // SAFETY: the caller's promise; a store ends with eight words to spare.
+        unsafe {
+            let rows = block.add(HEADER);
+            let [ax, ay, az] = self.sheared(rows, count);
+            let [bx, by, bz] = self.sheared(rows.add(3 * count), count);
+            let [cx, cy, cz] = self.sheared(rows.add(6 * count), count);
+            let u = cx.mul_sub(by, cy.mul(bx));
+            let v = ax.mul_sub(cy, ay.mul(cx));
+            let w = bx.mul_sub(ay, by.mul(ax));
+            let (least, greatest) = (u.min(v).min(w), u.max(v).max(w));
+            let lateral = *block + 4.0 * self.error;
+            let error = 2.0 * self.error * (lateral + self.error)
+                + PRODUCT_ERROR * lateral * lateral
+                + f32::MIN_POSITIVE;
+            let misses = least.below_and_above(L::splat(-error), greatest, L::splat(error));
+            let met = !misses & ((1 << count) - 1);
+            if met == 0 {
+                return Candidates {
+                    possible: 0,
+                    met: 0,
+                    hit: 0,
+                    near: u,
+                    far: u,
+                };
+            }
+            // `edge_function_error`, in lanes.
+            let depth = az.abs().max(bz.abs()).max(cz.abs());
+            let lateral = ax
+                .abs()
+                .add(ay.abs())
+                .max(bx.abs().add(by.abs()))
+                .max(cx.abs().add(cy.abs()));
+            let tiny = L::splat(f32::MIN_POSITIVE);
+            let shear = depth.mul_add(L::splat(SHEAR_ERROR), tiny);
+            let lateral_part = lateral.mul(lateral).mul_add(L::splat(PRODUCT_ERROR), tiny);
+            let error = shear.add(shear).mul_add(lateral.add(shear), lateral_part);
+            let misses = least.below_and_above(L::splat(0.0).sub(error), greatest, error);
+            let certain = error.below(least) | greatest.below(L::splat(0.0).sub(error));
+            // Where along the ray, times the determinant: see `tolerance::LANE_DEPTH_ERROR`.
+            let determinant = u.add(v).add(w);
+            let place = u.mul_add(az, v.mul_add(bz, w.mul(cz)));
+            let place = place.flipped_with(determinant).flipped_with(self.rate);
+            let determinant = determinant.abs();
+            let unsure = determinant.mul_add(L::splat(LANE_DEPTH_ERROR), error.mul(L::splat(4.0)));
+            let (first, last) = (L::splat(ends[0]), L::splat(ends[1]));
+            let from_first = place.sub(determinant.mul(first));
+            let to_last = determinant.mul(last).sub(place);
+            let at_first = depth.add(first.abs()).mul(unsure);
+            let at_last = depth.add(last.abs()).mul(unsure);
+            let zero = L::splat(0.0);
+            let outside = from_first.below(zero.sub(at_first)) | to_last.below(zero.sub(at_last));
+            let after_first = at_first.below(from_first);
+            let before_last = at_last.below(to_last);
+            let possible = met & !misses & !outside;
+            let nearest = place.div(determinant);
+            let margin = depth.add(nearest.abs()).mul(unsure).div(determinant);
+            Candidates {
+                possible,
+                met: possible & certain & after_first,
+                hit: possible & certain & after_first & before_last,
+                near: nearest.sub(margin),
+                far: nearest.add(margin),
+            }
+        }
+    }
+}
+
+/// What the lanes know of a block's triangles: a bit for each.
+#[derive(Clone, Copy)]
+pub(super) struct Candidates<L> {
+    /// Not certainly missed.
+    pub(super) possible: u32,
+    /// Of these, those that the ray's line certainly meets, after the interval's beginning.
+    pub(super) met: u32,
+    /// Of these, those that it certainly meets before the interval's end.
+    pub(super) hit: u32,
+    /// For those met: between which lengths of the ray along the frame's z.
+    pub(super) near: L,
+    pub(super) far: L,
+}

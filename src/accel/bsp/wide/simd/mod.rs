@@ -1,0 +1,143 @@
+//! The walk, compiled once for each instruction set, and the choice among them at run time.
+//!
+//! All `unsafe` of the crate is here: instructions that a machine may lack, and lookups whose indices are right by construction.
+
+#[cfg(target_arch = "x86_64")]
+mod avx2;
+#[cfg(target_arch = "x86_64")]
+mod avx512;
+mod kernel;
+mod portable;
+mod single;
+
+use crate::accel::counters::Counter;
+use crate::geometry::Ray;
+
+use super::node::Word;
+use super::store::Store;
+use super::walk::Reach;
+
+/// Sets of instructions that the walk is compiled for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(in crate::accel::bsp) enum Instructions {
+    /// Plain Rust.
+    Portable,
+    /// AVX2 and FMA.
+    #[cfg(target_arch = "x86_64")]
+    Avx2,
+    /// AVX-512 with vectors of 256 bits.
+    #[cfg(target_arch = "x86_64")]
+    Avx512,
+}
+
+impl Instructions {
+    /// All that this machine has, the best first.
+    pub(in crate::accel::bsp) fn available() -> Vec<Self> {
+        let mut found = Vec::new();
+        #[cfg(target_arch = "x86_64")]
+        {
+            let avx2 = is_x86_feature_detected!("avx2")
+                && is_x86_feature_detected!("fma")
+                && is_x86_feature_detected!("bmi1");
+            if avx2 && is_x86_feature_detected!("avx512f") && is_x86_feature_detected!("avx512vl") {
+                found.push(Self::Avx512);
+            }
+            if avx2 {
+                found.push(Self::Avx2);
+            }
+        }
+        found.push(Self::Portable);
+        found
+    }
+
+    /// The best that this machine has.
+    pub(in crate::accel::bsp) fn best() -> Self {
+        Self::available()[0]
+    }
+}
+
+/// Hits up to this `t` count only from this number of a triangle on.
+pub(super) type Passed = Option<(f32, u32)>;
+
+/// The nearest hit, by the triangle's number in the set; or why there is none. As small as an answer can be.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Found {
+    pub(super) t: f32,
+    number: u32,
+}
+
+impl Found {
+    const NOTHING: Self = Self {
+        t: f32::INFINITY,
+        number: u32::MAX,
+    };
+    const UNUSUAL: Self = Self {
+        t: f32::INFINITY,
+        number: u32::MAX - 1,
+    };
+
+    /// The number of the triangle that was hit.
+    #[inline(always)]
+    pub(super) fn number(&self) -> Option<u32> {
+        (self.number < Self::UNUSUAL.number).then_some(self.number)
+    }
+
+    /// The ray was not for the walk: it is not traceable, or would leave the range of `f32`.
+    #[inline(always)]
+    pub(super) fn is_unusual(&self) -> bool {
+        self.number == Self::UNUSUAL.number
+    }
+}
+
+/// Whether anything is hit.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Occluded {
+    Yes,
+    No,
+    /// As [`Found::is_unusual`].
+    Unusual,
+}
+
+/// What a search walks.
+#[derive(Clone, Copy)]
+pub(super) struct Tree<'a> {
+    pub(super) store: &'a Store,
+    pub(super) root: Word,
+    pub(super) reach: Reach,
+}
+
+/// Calls a function compiled for the machine's instructions.
+macro_rules! dispatch {
+    ($instructions:expr, $function:ident($($argument:expr),*)) => {
+        match $instructions {
+            Instructions::Portable => single::$function::<portable::Lanes, _>($($argument),*),
+            #[cfg(target_arch = "x86_64")]
+            // SAFETY: `Instructions::available` found them on this machine.
+            Instructions::Avx2 => unsafe { avx2::$function($($argument),*) },
+            #[cfg(target_arch = "x86_64")]
+            // SAFETY: `Instructions::available` found them on this machine.
+            Instructions::Avx512 => unsafe { avx512::$function($($argument),*) },
+        }
+    };
+}
+
+/// The nearest hit, least number first among equals; hits below `passed` are passed over, see [`Passed`].
+pub(super) fn closest<C: Counter>(
+    instructions: Instructions,
+    tree: Tree<'_>,
+    ray: &Ray,
+    passed: Passed,
+    counter: &mut C,
+) -> Found {
+    dispatch!(instructions, closest(tree, ray, passed, counter))
+}
+
+/// Whether anything is hit.
+pub(super) fn any<C: Counter>(
+    instructions: Instructions,
+    tree: Tree<'_>,
+    ray: &Ray,
+    counter: &mut C,
+) -> Occluded {
+    dispatch!(instructions, any(tree, ray, counter))
+}

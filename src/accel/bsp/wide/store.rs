@@ -1,0 +1,124 @@
+//! The finished tree in memory: nodes, and blocks of triangles.
+//!
+//! A block of `n` triangles is a row of 32-bit words: the bound on its triangles' lengths (see [`lateral_bound`]), then nine rows of `n` coordinates (x of
+//! the first corners, y, z, then the second and the third corners), then `n` numbers of triangles. Without gaps: eight lanes
+//! are loaded from the start of a row, and those beyond `n` are ignored.
+
+use glam::Vec3;
+
+use super::node::{Node, WIDTH, Word};
+use crate::geometry::Triangle;
+
+/// Words that a place counts: leaves begin at multiples of it.
+pub(super) const LINE: usize = 16;
+
+/// Words of a block before its coordinates.
+pub(super) const HEADER: usize = 1;
+
+/// Rows of a block: nine of coordinates, one of numbers.
+pub(super) const ROWS: usize = 10;
+
+/// Words of a full block.
+pub(super) const FULL_BLOCK: usize = HEADER + ROWS * WIDTH;
+
+/// Nodes and blocks.
+#[derive(Debug, Default)]
+pub(super) struct Store {
+    pub(super) nodes: Vec<Node>,
+    pub(super) words: Vec<u32>,
+    /// All leaves, for rays that must be tested against everything.
+    pub(super) leaves: Vec<Word>,
+}
+
+impl Store {
+    pub(super) fn reserve_node(&mut self) -> u32 {
+        self.nodes.push(Node::EMPTY);
+        self.nodes.len() as u32 - 1
+    }
+
+    pub(super) fn set_node(&mut self, index: u32, node: Node) {
+        self.nodes[index as usize] = node;
+    }
+}
+
+/// Greatest `|x| + |y|` of a triangle's corners in the frame of a ray whose line meets it, before rounding.
+///
+/// The line meets the triangle in a point `q`, which has x = y = 0 there. For a corner `p`, `|x| + |y|` is at most `|dx| + |dy| + 2 |dz|` with
+/// `d = p - q`, since the shear is at most 1: at most twice the sum of `|d|`'s components, which is greatest where `q` is a corner.
+pub(super) fn lateral_bound(triangle: &Triangle) -> f32 {
+    let [a, b, c] = *triangle.corners();
+    let length = |d: Vec3| d.abs().element_sum();
+    2.0 * length(b - a).max(length(c - b)).max(length(a - c))
+}
+
+impl Store {
+    /// Appends a leaf of these triangles.
+    pub(super) fn push_leaf(
+        &mut self,
+        numbers: &[u32],
+        triangle: impl Fn(u32) -> Triangle,
+    ) -> Word {
+        self.words
+            .resize(self.words.len().next_multiple_of(LINE), 0);
+        let place = self.words.len() / LINE;
+        for block in numbers.chunks(WIDTH) {
+            let bound = block
+                .iter()
+                .map(|&n| lateral_bound(&triangle(n)))
+                .fold(0.0, f32::max);
+            self.words.push(bound.to_bits());
+            for corner in 0..3 {
+                for axis in 0..3 {
+                    let row = block
+                        .iter()
+                        .map(|&n| triangle(n).corners()[corner][axis].to_bits());
+                    self.words.extend(row);
+                }
+            }
+            self.words.extend_from_slice(block);
+        }
+        let leaf = Word::leaf(place, numbers.len());
+        self.leaves.push(leaf);
+        leaf
+    }
+
+    /// Ends the blocks with as much as eight lanes may read too far.
+    pub(super) fn finish(&mut self) {
+        self.words.extend([0; WIDTH]);
+        self.words.shrink_to_fit();
+        self.nodes.shrink_to_fit();
+    }
+
+    /// Where a leaf's first block begins.
+    #[inline(always)]
+    pub(super) fn block(&self, leaf: Word) -> *const f32 {
+        // Within the words: a leaf's place is where its blocks were written.
+        self.words.as_ptr().wrapping_add(leaf.place() * LINE).cast()
+    }
+
+    /// Every triangle with its number; some more than once.
+    pub(super) fn all_triangles(&self) -> impl Iterator<Item = (u32, Triangle)> + '_ {
+        let words = &*self.words;
+        self.leaves.iter().flat_map(move |&leaf| {
+            let counts = (0..leaf.full_blocks())
+                .map(|_| WIDTH)
+                .chain([leaf.last_count()]);
+            let blocks = counts
+                .enumerate()
+                .map(move |(block, count)| (leaf.place() * LINE + block * FULL_BLOCK, count));
+            blocks.flat_map(move |(block, count)| {
+                (0..count).map(move |lane| {
+                    let word = |row: usize| words[block + HEADER + row * count + lane];
+                    let corner = |c: usize| {
+                        Vec3::from_array([0, 1, 2].map(|axis| f32::from_bits(word(3 * c + axis))))
+                    };
+                    (word(9), Triangle::new(corner(0), corner(1), corner(2)))
+                })
+            })
+        })
+    }
+
+    pub(super) fn bytes(&self) -> usize {
+        size_of_val(&*self.nodes) + size_of_val(&*self.words) + size_of_val(&*self.leaves)
+    }
+}
