@@ -10,6 +10,7 @@
 //! | 2 | [`scene`]: what a file describes; [`picture`]: files of pixels |
 //! | 3 | [`import`] and [`accel`], which do not know each other |
 //! | 4 | [`render`] |
+//! | 5 | [`analysis`]: what is measured of accelerators |
 //!
 //! ```
 //! use std::sync::atomic::AtomicBool;
@@ -61,6 +62,7 @@
 )]
 
 pub mod accel;
+pub mod analysis;
 pub mod geometry;
 pub mod import;
 pub mod picture;

@@ -12,6 +12,7 @@ const FLOORS: &[(&str, u32)] = &[
     ("import", 3),
     ("accel", 3),
     ("render", 4),
+    ("analysis", 5),
 ];
 
 /// Crates, and the only places that may name them.
@@ -23,6 +24,7 @@ const HOMES: &[(&str, &str)] = &[
     ("gltf", "import/gltf/"),
     ("earcut", "import/obj/"),
     ("clap", "cli/"),
+    ("rustix", "analysis/clock.rs"),
 ];
 
 fn sources(folder: &Path, found: &mut Vec<PathBuf>) {

@@ -1,0 +1,5 @@
+//! What is measured of accelerators.
+
+mod clock;
+
+pub use clock::{Elapsed, Stopwatch};
