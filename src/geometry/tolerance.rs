@@ -96,8 +96,8 @@ pub const NORMAL_FILTER: f64 = 5.0 * U64;
 /// Error of `((b - a) x (c - a)) . (a - o)` in `f64`, in units of its permanent.
 ///
 /// Eight roundings a term: four for the normal, the difference `a - o`, a product, two sums. The surplus of 2, and that
-/// of [`DENOMINATOR_FILTER`], are worth at least `4v |t|` in the radius around the quotient `t`. They pay for one
-/// rounding each of the quotient and of the interval's end, `2v |t|`; and a fifth of the radius pays for its own.
+/// of [`DENOMINATOR_FILTER`], are worth at least `4v |t|` in the radius around the quotient `t`. They pay for the two
+/// roundings of the quotient and that of the interval's end, `3v |t|`; and a fifth of the radius pays for its own.
 pub const NUMERATOR_FILTER: f64 = 10.0 * U64;
 
 /// Error of `((b - a) x (c - a)) . d` in `f64`, in units of its permanent: seven roundings a term, and a surplus of 2,
@@ -133,11 +133,35 @@ pub const BVH_PADDING: f32 = 64.0 * U32;
 /// Such rays are tested against every triangle.
 pub const BVH_FAR: f64 = 1e9;
 
-/// Displacement of a box's face that covers every error of the wide BSP's walk, in units of the greatest coordinate of the ray's
-/// origin plus that of the scene.
+/// Displacement of a box's face that covers every error of the wide BSP's walk, in units of the span `S`: the sum of the
+/// magnitudes of the origin's coordinates, plus the greatest coordinate of the tree: 8 u.
 ///
-/// TODO
-pub const WALK_ERROR: f32 = 32.0 * U32;
+/// Where the line crosses a face at `b` is computed as `b r + q`, with `r` = 1 / d rounded and `q = -o r - D |r|` where the ray enters (`+` where it
+/// leaves), `D` the displacement. Multiplied by `d`, the errors are those of `r`, u |b - o|; of the product `b r`, u |b|; of `o r`, of
+/// the sum and of `D |r|`, u (2 |o| + 2 D); of the last sum, u (|b - o| + D), or fewer where products and sums are fused. With
+/// `|b| + |o| <= S`: 4 u S. A component of the direction below [`LEAST_RATE`] is taken for that, which moves the line
+/// by at most u S within the tree. A hit counts by its rounded `t`, which may lie u |t| from the true one: along each
+/// axis again u S. Together 6 u S, and 2 u for the rounding of `S` and of `D`. Smaller, and rays along faces are lost.
+pub const WALK_ERROR: f32 = 8.0 * U32;
+
+/// Sums of the magnitudes of a direction's components with which the wide BSP's walk stays in the range of `f32`. Other directions
+/// are scaled by a power of two first.
+pub const WALK_LENGTHS: std::ops::RangeInclusive<f32> = 1e-6..=1e6;
+
+/// Least magnitude of a direction's component in the wide BSP's walk: u times the least that the largest component can be by
+/// [`WALK_LENGTHS`]. Its inverse times the largest coordinate of the walk is 5e31.
+pub const LEAST_RATE: f32 = 1e-6 / 3.0 * U32;
+
+/// Greatest span of the wide BSP's walk; rays from further off are tested against every triangle. It is the importers'
+/// [`COORDINATE_LIMIT`], twice.
+pub const WALK_FARTHEST: f32 = 2.0 * COORDINATE_LIMIT;
+
+/// Error of a polygon's cut at up to six planes, along each axis, in units of the greatest difference between coordinates of its
+/// triangle: 5 u for each cut, in `p + (q - p) f`: one each for the difference, the product and the three operations of `f`.
+pub const CUT_ERROR_BY_SIZE: f32 = 32.0 * U32;
+
+/// Further error of such cuts, in units of the greatest coordinate: u for the sum of each cut.
+pub const CUT_ERROR_BY_PLACE: f32 = 8.0 * U32;
 
 /// Distance, in the same units, beyond which a ray's origin makes the tree above the instances visit them all.
 ///

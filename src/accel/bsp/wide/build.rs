@@ -98,8 +98,6 @@ impl Members {
 pub(super) struct Builder<'a> {
     /// The triangles in the tree's space.
     pub(super) corners: &'a [[Vec4; 3]],
-    /// Bound on the rounding of a cut, see [`Fragment::split`].
-    pub(super) slack: f32,
     pub(super) plan: Plan,
 }
 
@@ -210,7 +208,7 @@ impl Builder<'_> {
                             continue;
                         }
                         let corners = &self.corners[fragment.triangle() as usize];
-                        let [a, b] = fragment.split(corners, axis, position, self.slack);
+                        let [a, b] = fragment.split(corners, axis, position);
                         left -= usize::from(a.is_some() && b.is_some());
                         below.extend(a);
                         above.extend(b);

@@ -168,7 +168,6 @@ impl WideSet {
             .fold(0.0_f32, |most, p| most.max(p.abs().max_element()));
         let builder = Builder {
             corners: &corners,
-            slack: 16.0 * crate::geometry::tolerance::U32 * largest,
             plan: plan(quality),
         };
         let tree = builder.build();

@@ -3,7 +3,7 @@
 use super::super::node::Node;
 use super::super::store::HEADER;
 use super::super::walk::{LaneRay, WalkRay};
-use crate::geometry::tolerance::{LANE_DEPTH_ERROR, PRODUCT_ERROR, SHEAR_ERROR};
+use crate::geometry::tolerance::{LANE_DEPTH_ERROR, LEAST_RATE, PRODUCT_ERROR, SHEAR_ERROR};
 
 /// Eight lanes of `f32`.
 ///
@@ -54,14 +54,22 @@ impl<L: Lanes> NodeRay<L> {
     /// As for [`Lanes`].
     #[inline(always)]
     pub(super) unsafe fn new(walk: &WalkRay, first: f32) -> Self {
-        let sign = |axis: usize| walk.negative >> axis & 1;
-        let near = [3 * sign(0), 1 + 3 * sign(1), 2 + 3 * sign(2)];
+        let (origin, direction) = (walk.origin, walk.direction);
+        let near = [
+            3 * is_negative(direction.x),
+            1 + 3 * is_negative(direction.y),
+            2 + 3 * is_negative(direction.z),
+        ];
         // SAFETY: the caller's promise.
         unsafe {
+            let displacement = L::splat(walk.displacement);
+            let x = Slope::new(origin.x, direction.x, displacement);
+            let y = Slope::new(origin.y, direction.y, displacement);
+            let z = Slope::new(origin.z, direction.z, displacement);
             Self {
-                inverse: splat3(walk.inverse.to_array()),
-                enter: splat3(walk.enter.to_array()),
-                leave: splat3(walk.leave.to_array()),
+                inverse: [x.inverse, y.inverse, z.inverse],
+                enter: [x.enter, y.enter, z.enter],
+                leave: [x.leave, y.leave, z.leave],
                 near,
                 far: [3 - near[0], 5 - near[1], 7 - near[2]],
                 first: L::splat(first),
@@ -104,6 +112,40 @@ impl<L: Lanes> NodeRay<L> {
             (first.at_most(last), first)
         }
     }
+}
+
+/// A ray's walk along one axis: `b * inverse + enter` is where it enters the half space beyond a face at `b`.
+#[derive(Clone, Copy)]
+struct Slope<L> {
+    inverse: L,
+    enter: L,
+    leave: L,
+}
+
+impl<L: Lanes> Slope<L> {
+    /// # Safety
+    /// As for [`Lanes`].
+    #[inline(always)]
+    unsafe fn new(origin: f32, direction: f32, displacement: L) -> Self {
+        // SAFETY: the caller's promise.
+        unsafe {
+            let (origin, direction) = (L::splat(origin), L::splat(direction));
+            let steepness = L::splat(1.0).div(direction.abs().max(L::splat(LEAST_RATE)));
+            let widen = steepness.mul(displacement);
+            let inverse = steepness.flipped_with(direction);
+            let middle = origin.mul(inverse);
+            Self {
+                inverse,
+                enter: L::splat(0.0).sub(middle.add(widen)),
+                leave: widen.sub(middle),
+            }
+        }
+    }
+}
+
+#[inline(always)]
+fn is_negative(x: f32) -> usize {
+    (x.to_bits() >> 31) as usize
 }
 
 /// # Safety

@@ -4,11 +4,11 @@ use std::mem::MaybeUninit;
 
 use super::super::node::{WIDTH, Word};
 use super::super::store::{FULL_BLOCK, HEADER};
-use super::super::walk::WalkRay;
+use super::super::walk::{LaneRay, WalkRay};
 use super::kernel::{BlockRay, Candidates, Lanes, NodeRay};
 use super::{Found, Occluded, Passed, Tree};
 use crate::accel::counters::Counter;
-use crate::geometry::{Ray, RayFrame, Triangle};
+use crate::geometry::{Ray, RayFrame, Triangle, depth};
 use glam::Vec3;
 
 /// Levels that a tree may have at most: the walk's stack is made for them.
@@ -59,9 +59,11 @@ const MOST_PENDING: usize = 8;
 ///
 /// Exact depths are dear, and of the triangles that a ray meets only the nearest matters. So those that are certainly met wait, and
 /// only their bounds take part in the search; mostly one is left at the end.
-struct Search {
-    frame: RayFrame,
+struct Search<'a> {
+    ray: &'a Ray,
     passed: Passed,
+    /// Lengths along the frame's z for one unit of `t`.
+    rate: f32,
     /// The nearest of those that are known exactly.
     found: Found,
     pending: [MaybeUninit<Pending>; MOST_PENDING],
@@ -70,7 +72,7 @@ struct Search {
     ends: [f32; 2],
 }
 
-impl Search {
+impl Search<'_> {
     /// Takes the candidates of a block.
     ///
     /// # Safety
@@ -150,7 +152,7 @@ impl Search {
                 let (triangle, number) = unsafe {
                     triangle(waiting.block, waiting.count as usize, waiting.lane as usize)
                 };
-                if let Some(t) = self.frame.intersect_met(&triangle) {
+                if let Some(t) = depth(self.ray, &triangle) {
                     self.offer(t, number);
                 }
             }
@@ -176,12 +178,13 @@ impl Search {
     #[cold]
     #[inline(never)]
     unsafe fn settle(&mut self, block: *const f32, count: usize, mut doubtful: u32) {
+        let frame = RayFrame::of_traceable(self.ray);
         while doubtful != 0 {
             let lane = doubtful.trailing_zeros() as usize;
             doubtful &= doubtful - 1;
             // SAFETY: the caller's promise.
             let (triangle, number) = unsafe { triangle(block, count, lane) };
-            if let Some(t) = self.frame.intersect(&triangle) {
+            if let Some(t) = frame.intersect(&triangle) {
                 self.offer(t, number);
             }
         }
@@ -194,7 +197,7 @@ impl Search {
             .is_some_and(|(least, end)| t <= least && number < end);
         if wins && !is_passed {
             self.found = Found { t, number };
-            let length = (t * self.frame.rate().abs()).next_up();
+            let length = (t * self.rate).next_up();
             self.ends[1] = self.ends[1].min(length);
         }
     }
@@ -213,37 +216,6 @@ impl Search {
     }
 }
 
-/// What a ray needs at leaves, which many rays never reach.
-struct AtLeaves<L> {
-    search: Search,
-    block_ray: BlockRay<L>,
-    /// From lengths along the frame's z to those of the walk, rounded up.
-    walk_per_length: f32,
-}
-
-impl<L: Lanes> AtLeaves<L> {
-    /// # Safety
-    /// As for [`Lanes`].
-    #[inline(always)]
-    unsafe fn new(ray: &Ray, walk: &WalkRay, passed: Passed) -> Self {
-        let frame = RayFrame::of_traceable(ray);
-        let lanes = walk.lanes(ray, &frame);
-        Self {
-            search: Search {
-                frame,
-                passed,
-                found: Found::NOTHING,
-                pending: [const { MaybeUninit::uninit() }; MOST_PENDING],
-                pending_count: 0,
-                ends: lanes.ends(ray.interval.min, ray.interval.max),
-            },
-            // SAFETY: the caller's promise.
-            block_ray: unsafe { BlockRay::new(&lanes) },
-            walk_per_length: walk.per_t / lanes.rate.abs() * (1.0 + 4.0 * f32::EPSILON),
-        }
-    }
-}
-
 /// The nearest hit, the least number first among equals.
 #[inline(always)]
 pub(super) fn closest<L: Lanes, C: Counter>(
@@ -256,7 +228,19 @@ pub(super) fn closest<L: Lanes, C: Counter>(
     let Some(walk) = WalkRay::new(ray, reach) else {
         return Found::UNUSUAL;
     };
-    let mut at_leaves: Option<AtLeaves<L>> = None;
+    let lane_ray = LaneRay::new(ray, &walk);
+    let rate = lane_ray.rate.abs();
+    let mut search = Search {
+        ray,
+        passed,
+        rate,
+        found: Found::NOTHING,
+        pending: [const { MaybeUninit::uninit() }; MOST_PENDING],
+        pending_count: 0,
+        ends: lane_ray.ends(ray.interval.min, ray.interval.max),
+    };
+    // From lengths along the frame's z to those of the walk, rounded up.
+    let walk_per_length = walk.per_t / rate * (1.0 + 4.0 * f32::EPSILON);
     let mut last = ray.interval.max * walk.per_t;
     let mut stack = [const { MaybeUninit::<Waiting>::uninit() }; STACK];
     let mut height = 0_usize;
@@ -269,13 +253,10 @@ pub(super) fn closest<L: Lanes, C: Counter>(
         loop {
             if current.is_leaf() {
                 counter.leaf();
-                let at = match &mut at_leaves {
-                    Some(at) => at,
-                    none => none.insert(AtLeaves::new(ray, &walk, passed)),
-                };
+                let block_ray = BlockRay::<L>::new(&lane_ray);
                 let mut block = store.block(current);
                 let mut full = current.full_blocks();
-                let before = at.search.ends[1];
+                let before = search.ends[1];
                 loop {
                     let count = if full == 0 {
                         current.last_count()
@@ -283,9 +264,9 @@ pub(super) fn closest<L: Lanes, C: Counter>(
                         WIDTH
                     };
                     counter.primitives(count);
-                    let candidates = at.block_ray.test(block, count, at.search.ends);
+                    let candidates = block_ray.test(block, count, search.ends);
                     if candidates.possible != 0 {
-                        at.search.take(block, count, candidates);
+                        search.take(block, count, candidates);
                     }
                     if full == 0 {
                         break;
@@ -293,8 +274,8 @@ pub(super) fn closest<L: Lanes, C: Counter>(
                     full -= 1;
                     block = block.add(FULL_BLOCK);
                 }
-                if at.search.ends[1] < before {
-                    last = at.search.ends[1] * at.walk_per_length;
+                if search.ends[1] < before {
+                    last = search.ends[1] * walk_per_length;
                     last_lanes = L::splat(last);
                 }
             } else {
@@ -347,10 +328,7 @@ pub(super) fn closest<L: Lanes, C: Counter>(
             }
             loop {
                 if height == 0 {
-                    return match &mut at_leaves {
-                        Some(at) => at.search.finish(),
-                        None => Found::NOTHING,
-                    };
+                    return search.finish();
                 }
                 height -= 1;
                 let waiting = stack.get_unchecked(height).assume_init();
@@ -369,11 +347,12 @@ pub(super) fn closest<L: Lanes, C: Counter>(
 /// `block` begins a block of `count` triangles.
 #[inline(never)]
 unsafe fn meets_any(
-    frame: &RayFrame,
+    ray: &Ray,
     block: *const f32,
     count: usize,
     mut candidates: u32,
 ) -> bool {
+    let frame = RayFrame::of_traceable(ray);
     while candidates != 0 {
         let lane = candidates.trailing_zeros() as usize;
         candidates &= candidates - 1;
@@ -393,7 +372,8 @@ pub(super) fn any<L: Lanes, C: Counter>(tree: Tree<'_>, ray: &Ray, counter: &mut
     let Some(walk) = WalkRay::new(ray, reach) else {
         return Occluded::Unusual;
     };
-    let mut at_leaves: Option<AtLeaves<L>> = None;
+    let lane_ray = LaneRay::new(ray, &walk);
+    let ends = lane_ray.ends(ray.interval.min, ray.interval.max);
     let mut stack = [const { MaybeUninit::<Word>::uninit() }; STACK];
     let mut height = 0_usize;
     let mut current = root;
@@ -405,10 +385,7 @@ pub(super) fn any<L: Lanes, C: Counter>(tree: Tree<'_>, ray: &Ray, counter: &mut
         loop {
             if current.is_leaf() {
                 counter.leaf();
-                let at = match &mut at_leaves {
-                    Some(at) => at,
-                    none => none.insert(AtLeaves::new(ray, &walk, None)),
-                };
+                let block_ray = BlockRay::<L>::new(&lane_ray);
                 let mut block = store.block(current);
                 let mut full = current.full_blocks();
                 loop {
@@ -418,10 +395,10 @@ pub(super) fn any<L: Lanes, C: Counter>(tree: Tree<'_>, ray: &Ray, counter: &mut
                         WIDTH
                     };
                     counter.primitives(count);
-                    let candidates = at.block_ray.test(block, count, at.search.ends);
+                    let candidates = block_ray.test(block, count, ends);
                     let hits = candidates.hit != 0
                         || (candidates.possible != 0
-                            && meets_any(&at.search.frame, block, count, candidates.possible));
+                            && meets_any(ray, block, count, candidates.possible));
                     if hits {
                         return Occluded::Yes;
                     }
