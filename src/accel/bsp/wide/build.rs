@@ -33,6 +33,8 @@ pub(super) struct Plan {
 pub(super) struct Cell {
     pub(super) extent: Extent,
     pub(super) content: Content,
+    /// About the area of its fragments.
+    pub(super) surface: f32,
     /// What it costs to have it as one to eight roots.
     pub(super) roots: Roots,
     /// The triangles of all its fragments, in order, if they fill one block at most.
@@ -122,7 +124,7 @@ impl Builder<'_> {
         }
         let count = fragments.len();
         if count <= 1 {
-            return Cell::leaf(extent, &fragments, &self.plan.costs);
+            return self.leaf(extent, &fragments);
         }
         let bins = self.plan.bins[usize::from(count <= 64)].min(MOST_BINS);
         let choice = (level < MOST_LEVELS)
@@ -141,7 +143,7 @@ impl Builder<'_> {
             let whole = self.plan.costs.leaf(count);
             let pays = choice.is_some_and(|c| c.cost < whole);
             if !pays {
-                return Cell::leaf(extent, &fragments, &self.plan.costs);
+                return self.leaf(extent, &fragments);
             }
         }
         let halves = choice
@@ -168,6 +170,33 @@ impl Builder<'_> {
             )
         };
         Cell::inner(extent, [a, b], &self.plan.costs)
+    }
+
+    fn leaf(&self, extent: Extent, fragments: &[Fragment]) -> Cell {
+        let members = Members::of(fragments);
+        Cell {
+            surface: fragments.iter().map(|f| self.surface(f)).sum(),
+            content: Content::Leaf,
+            roots: Roots::of_leaf(&extent, &members, &self.plan.costs),
+            members,
+            extent,
+        }
+    }
+
+    /// About the area of a fragment: its triangle's share, by the areas of their extents.
+    fn surface(&self, fragment: &Fragment) -> f32 {
+        let [a, b, c] = self.corners[fragment.triangle() as usize];
+        let whole = Extent {
+            min: a.min(b).min(c),
+            max: a.max(b).max(c),
+        };
+        let share = fragment.extent().half_area() / whole.half_area();
+        let [u, v] = [b - a, c - a].map(Vec4::truncate);
+        if share.is_finite() {
+            0.5 * u.cross(v).length() * share
+        } else {
+            0.0
+        }
     }
 
     /// The fragments below and above the plane; `None` if it does not divide them after all.
@@ -251,21 +280,12 @@ impl Builder<'_> {
 }
 
 impl Cell {
-    fn leaf(extent: Extent, fragments: &[Fragment], costs: &Costs) -> Self {
-        let members = Members::of(fragments);
-        Self {
-            extent,
-            content: Content::Leaf,
-            roots: Roots::of_leaf(&extent, &members, costs),
-            members,
-        }
-    }
-
     fn inner(extent: Extent, halves: [Self; 2], costs: &Costs) -> Self {
         let members = Members::union(&halves[0].members, &halves[1].members);
         let roots = Roots::of_halves(&extent, &halves, &members, costs);
         Self {
             extent,
+            surface: halves[0].surface + halves[1].surface,
             content: Content::Inner(Box::new(halves)),
             roots,
             members,

@@ -59,6 +59,17 @@ impl Roots {
     }
 }
 
+impl Cell {
+    /// How much a search for any hit gains by looking here: the chance that a ray through the cell hits something, over what looking costs.
+    ///
+    /// The chance is that of surfaces strewn about: a ray through a convex body passes on average as many surfaces as
+    /// they have area in units of half the body's own.
+    fn promise(&self) -> f32 {
+        let area = self.extent.half_area();
+        (1.0 - libm::expf(-self.surface / area)) * area / self.roots.cost[0]
+    }
+}
+
 /// The cells that become the roots of `cell`, at most `roots` many.
 #[allow(
     clippy::float_cmp,
@@ -103,6 +114,7 @@ pub(super) fn write(cell: &Cell, triangles: &[NamedTriangle], store: &mut Store)
     }
     let mut children = Vec::with_capacity(WIDTH);
     roots(cell, WIDTH, true, &mut children);
+    children.sort_by(|a, b| a.promise().total_cmp(&b.promise()));
     let index = store.reserve_node();
     let mut node = Node::EMPTY;
     let mut levels = 0;

@@ -108,7 +108,8 @@ fn clipped(corners: &[Vec4; 3], cell: &Extent) -> Option<Extent> {
     let [a, b, c] = *corners;
     let size = (a.max(b).max(c) - a.min(b).min(c)).truncate().max_element();
     let place = a.abs().max(b.abs()).max(c.abs()).truncate().max_element();
-    let slack = Vec4::splat(CUT_ERROR_BY_SIZE * size + CUT_ERROR_BY_PLACE * place + f32::MIN_POSITIVE);
+    let slack =
+        Vec4::splat(CUT_ERROR_BY_SIZE * size + CUT_ERROR_BY_PLACE * place + f32::MIN_POSITIVE);
     let (low, high) = (cell.min - slack, cell.max + slack);
     let mut polygon = [Vec4::ZERO; 10];
     polygon[..3].copy_from_slice(corners);

@@ -89,6 +89,12 @@ impl Store {
         self.nodes.shrink_to_fit();
     }
 
+    /// The node that a word names.
+    #[inline(always)]
+    pub(super) fn node(&self, word: Word) -> *const Node {
+        self.nodes.as_ptr().wrapping_byte_add(word.offset())
+    }
+
     /// Where a leaf's first block begins.
     #[inline(always)]
     pub(super) fn block(&self, leaf: Word) -> *const f32 {

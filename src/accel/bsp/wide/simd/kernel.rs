@@ -1,6 +1,6 @@
 //! What a set of instructions has to offer: eight lanes, and the two tests made of them.
 
-use super::super::node::Node;
+use super::super::node::{Node, WIDTH};
 use super::super::store::HEADER;
 use super::super::walk::{LaneRay, WalkRay};
 use crate::geometry::tolerance::{LANE_DEPTH_ERROR, LEAST_RATE, PRODUCT_ERROR, SHEAR_ERROR};
@@ -43,7 +43,7 @@ pub(super) struct NodeRay<L> {
     inverse: [L; 3],
     enter: [L; 3],
     leave: [L; 3],
-    /// Rows of a node's bounds where the ray enters, and where it leaves.
+    /// Rows of a node's bounds where the ray enters, and where it leaves: how many bytes come before them.
     near: [usize; 3],
     far: [usize; 3],
     first: L,
@@ -56,9 +56,9 @@ impl<L: Lanes> NodeRay<L> {
     pub(super) unsafe fn new(walk: &WalkRay, first: f32) -> Self {
         let (origin, direction) = (walk.origin, walk.direction);
         let near = [
-            3 * is_negative(direction.x),
-            1 + 3 * is_negative(direction.y),
-            2 + 3 * is_negative(direction.z),
+            ROW * (3 * is_negative(direction.x)),
+            ROW * (1 + 3 * is_negative(direction.y)),
+            ROW * (2 + 3 * is_negative(direction.z)),
         ];
         // SAFETY: the caller's promise.
         unsafe {
@@ -71,7 +71,7 @@ impl<L: Lanes> NodeRay<L> {
                 enter: [x.enter, y.enter, z.enter],
                 leave: [x.leave, y.leave, z.leave],
                 near,
-                far: [3 - near[0], 5 - near[1], 7 - near[2]],
+                far: [3 * ROW - near[0], 5 * ROW - near[1], 7 * ROW - near[2]],
                 first: L::splat(first),
             }
         }
@@ -156,14 +156,17 @@ unsafe fn splat3<L: Lanes>(v: [f32; 3]) -> [L; 3] {
     unsafe { [L::splat(v[0]), L::splat(v[1]), L::splat(v[2])] }
 }
 
+/// Bytes of a row of a node's bounds.
+const ROW: usize = size_of::<[f32; WIDTH]>();
+
 /// A row of a node's bounds.
 ///
 /// # Safety
-/// As for [`Lanes`]; rows are below 6.
+/// As for [`Lanes`]; `offset` is that of a row.
 #[inline(always)]
-unsafe fn row<L: Lanes>(node: &Node, row: usize) -> L {
+unsafe fn row<L: Lanes>(node: &Node, offset: usize) -> L {
     // SAFETY: the caller's promise.
-    unsafe { L::load(node.bounds.get_unchecked(row).as_ptr()) }
+    unsafe { L::load(node.bounds.as_ptr().byte_add(offset).cast()) }
 }
 
 /// A ray in lanes, for the test of a block.
@@ -194,17 +197,17 @@ impl<L: Lanes> BlockRay<L> {
         }
     }
 
-    /// The corners whose coordinates stand in the three rows from `rows` on, in the frame of the ray.
+    /// The corners whose coordinates along the frame's axes stand at these places.
     ///
     /// # Safety
-    /// As for [`Lanes`]; there are three rows of `count` floats, and eight floats may be read from the start of each.
+    /// As for [`Lanes`]; eight floats may be read from each place.
     #[inline(always)]
-    unsafe fn sheared(&self, rows: *const f32, count: usize) -> [L; 3] {
+    unsafe fn sheared(&self, x: *const f32, y: *const f32, z: *const f32) -> [L; 3] {
         // SAFETY: the caller's promise.
         unsafe {
-            let z = L::load(rows.add(self.axes[2] * count)).sub(self.origin[2]);
-            let x = L::load(rows.add(self.axes[0] * count)).sub(self.origin[0]);
-            let y = L::load(rows.add(self.axes[1] * count)).sub(self.origin[1]);
+            let z = L::load(z).sub(self.origin[2]);
+            let x = L::load(x).sub(self.origin[0]);
+            let y = L::load(y).sub(self.origin[1]);
             [
                 self.shear[0].neg_mul_add(z, x),
                 self.shear[1].neg_mul_add(z, y),
@@ -231,9 +234,13 @@ impl<L: Lanes> BlockRay<L> {
         // SAFETY: the caller's promise; a store ends with eight words to spare.
         unsafe {
             let rows = block.add(HEADER);
-            let [ax, ay, az] = self.sheared(rows, count);
-            let [bx, by, bz] = self.sheared(rows.add(3 * count), count);
-            let [cx, cy, cz] = self.sheared(rows.add(6 * count), count);
+            let x = rows.add(self.axes[0] * count);
+            let y = rows.add(self.axes[1] * count);
+            let z = rows.add(self.axes[2] * count);
+            let (corner, next) = (3 * count, 6 * count);
+            let [ax, ay, az] = self.sheared(x, y, z);
+            let [bx, by, bz] = self.sheared(x.add(corner), y.add(corner), z.add(corner));
+            let [cx, cy, cz] = self.sheared(x.add(next), y.add(next), z.add(next));
             let u = cx.mul_sub(by, cy.mul(bx));
             let v = ax.mul_sub(cy, ay.mul(cx));
             let w = bx.mul_sub(ay, by.mul(ax));

@@ -280,7 +280,7 @@ pub(super) fn closest<L: Lanes, C: Counter>(
                 }
             } else {
                 counter.node();
-                let node = store.nodes.get_unchecked(current.index());
+                let node = &*store.node(current);
                 let (mut hit, from) = node_ray.test(node, last_lanes);
                 if hit != 0 {
                     let first = hit.trailing_zeros() as usize;
@@ -346,12 +346,7 @@ pub(super) fn closest<L: Lanes, C: Counter>(
 /// # Safety
 /// `block` begins a block of `count` triangles.
 #[inline(never)]
-unsafe fn meets_any(
-    ray: &Ray,
-    block: *const f32,
-    count: usize,
-    mut candidates: u32,
-) -> bool {
+unsafe fn meets_any(ray: &Ray, block: *const f32, count: usize, mut candidates: u32) -> bool {
     let frame = RayFrame::of_traceable(ray);
     while candidates != 0 {
         let lane = candidates.trailing_zeros() as usize;
@@ -410,18 +405,16 @@ pub(super) fn any<L: Lanes, C: Counter>(tree: Tree<'_>, ray: &Ray, counter: &mut
                 }
             } else {
                 counter.node();
-                let node = store.nodes.get_unchecked(current.index());
+                let node = &*store.node(current);
                 let (mut hit, _) = node_ray.test(node, last);
                 if hit != 0 {
                     let child = |lane: usize| *node.children.get_unchecked(lane);
-                    current = child(hit.trailing_zeros() as usize);
-                    hit &= hit - 1;
+                    let best = 31 - hit.leading_zeros();
+                    hit &= !(1 << best);
+                    current = child(best as usize);
                     while hit != 0 {
-                        let mut next = child(hit.trailing_zeros() as usize);
+                        let next = child(hit.trailing_zeros() as usize);
                         hit &= hit - 1;
-                        if next.is_leaf() && !current.is_leaf() {
-                            (current, next) = (next, current);
-                        }
                         stack.get_unchecked_mut(height).write(next);
                         height += 1;
                     }
