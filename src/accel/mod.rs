@@ -229,7 +229,7 @@ impl AcceleratorKind {
             Self::Bsp => Box::new(Instances::build(
                 baked,
                 |set| bsp::wide::WideSet::build(set, options.quality),
-                |placements| EveryPlacement(placements.len() as u32),
+                bsp::wide::WideTop::build,
             )),
             Self::Bvh2 => Box::new(bvh(baked, BvhKind::Binary)),
             Self::Cwbvh => Box::new(bvh(baked, BvhKind::Wide)),

@@ -29,6 +29,20 @@ pub(super) struct Plan {
     pub(super) allowance: f32,
 }
 
+impl Plan {
+    /// For placed sets, of which each has a tree of its own: one to a leaf, and none is split.
+    pub(super) const OF_PLACEMENTS: Self = Self {
+        costs: Costs {
+            step: 1.0,
+            leaf: 0.4,
+            block: 0.0,
+            triangle: 10.0,
+        },
+        bins: [16, 16],
+        allowance: 0.0,
+    };
+}
+
 /// A node of the binary tree.
 pub(super) struct Cell {
     pub(super) extent: Extent,
@@ -111,7 +125,11 @@ impl Builder<'_> {
             corners.iter().for_each(|&p| extent.grow_point(p));
             Fragment::new(extent, number as u32)
         };
-        let fragments: Vec<Fragment> = self.corners.iter().enumerate().map(whole).collect();
+        self.build_over(self.corners.iter().enumerate().map(whole).collect())
+    }
+
+    /// The tree over these fragments.
+    pub(super) fn build_over(&self, fragments: Vec<Fragment>) -> Cell {
         let allowance = (fragments.len() as f32 * self.plan.allowance) as usize;
         self.divide(fragments, allowance, 0)
     }
@@ -185,7 +203,9 @@ impl Builder<'_> {
 
     /// About the area of a fragment: its triangle's share, by the areas of their extents.
     fn surface(&self, fragment: &Fragment) -> f32 {
-        let [a, b, c] = self.corners[fragment.triangle() as usize];
+        let Some(&[a, b, c]) = self.corners.get(fragment.triangle() as usize) else {
+            return 0.0;
+        };
         let whole = Extent {
             min: a.min(b).min(c),
             max: a.max(b).max(c),

@@ -8,7 +8,6 @@ use super::fragment::Extent;
 use super::node::{Node, WIDTH, Word};
 use super::plane::Costs;
 use super::store::Store;
-use crate::accel::bake::NamedTriangle;
 
 /// What a wide node costs, in the unit of [`Costs`]: the test of its eight children.
 const NODE: f32 = 1.0;
@@ -102,15 +101,16 @@ fn roots<'a>(cell: &'a Cell, roots_left: usize, is_top: bool, found: &mut Vec<&'
     roots(&halves[1], count - best, false, found);
 }
 
-/// Writes the tree; the word for its root, and its levels.
-pub(super) fn write(cell: &Cell, triangles: &[NamedTriangle], store: &mut Store) -> (Word, u32) {
+/// Writes the tree, its leaves by `leaf`; the word for its root, and its levels.
+pub(super) fn write(
+    cell: &Cell,
+    leaf: &impl Fn(&[u32], &mut Store) -> Word,
+    store: &mut Store,
+) -> (Word, u32) {
     if cell.roots.is_leaf
         && let Some(members) = cell.members.get()
     {
-        return (
-            store.push_leaf(members, |n| triangles[n as usize].triangle),
-            1,
-        );
+        return (leaf(members, store), 1);
     }
     let mut children = Vec::with_capacity(WIDTH);
     roots(cell, WIDTH, true, &mut children);
@@ -119,7 +119,7 @@ pub(super) fn write(cell: &Cell, triangles: &[NamedTriangle], store: &mut Store)
     let mut node = Node::EMPTY;
     let mut levels = 0;
     for (lane, child) in children.into_iter().enumerate() {
-        let (word, below) = write(child, triangles, store);
+        let (word, below) = write(child, leaf, store);
         node.set(lane, &child.extent, word);
         levels = levels.max(below);
     }

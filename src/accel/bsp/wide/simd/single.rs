@@ -2,7 +2,7 @@
 
 use std::mem::MaybeUninit;
 
-use super::super::node::{WIDTH, Word};
+use super::super::node::{Node, WIDTH, Word};
 use super::super::store::{FULL_BLOCK, HEADER};
 use super::super::walk::{LaneRay, WalkRay};
 use super::kernel::{BlockRay, Candidates, Lanes, NodeRay};
@@ -22,6 +22,89 @@ const STACK: usize = 7 * MOST_DEPTH as usize + 8;
 struct Waiting {
     from: f32,
     child: Word,
+}
+
+/// The children that wait, of one node the nearest last.
+struct Stack {
+    waiting: [MaybeUninit<Waiting>; STACK],
+    height: usize,
+}
+
+impl Stack {
+    #[inline(always)]
+    fn new() -> Self {
+        Self {
+            waiting: [const { MaybeUninit::uninit() }; STACK],
+            height: 0,
+        }
+    }
+
+    /// The nearest of the children in `hit`; the others wait.
+    ///
+    /// # Safety
+    /// As for [`Lanes`]; `hit` is not zero; the stack is as high as the tree's depth allows.
+    #[inline(always)]
+    unsafe fn descend<L: Lanes>(&mut self, node: &Node, mut hit: u32, from: L) -> Word {
+        // SAFETY: lanes are below 8; the caller's promise; only what was written is read.
+        unsafe {
+            let first = hit.trailing_zeros() as usize;
+            hit &= hit - 1;
+            let child = |lane: usize| *node.children.get_unchecked(lane);
+            if hit == 0 {
+                return child(first);
+            }
+            let mut entries = [0.0; WIDTH];
+            from.store(&mut entries);
+            let entry = |lane: usize| Waiting {
+                from: *entries.get_unchecked(lane),
+                child: child(lane),
+            };
+            let second = hit.trailing_zeros() as usize;
+            hit &= hit - 1;
+            let (mut near, mut far) = (entry(first), entry(second));
+            if far.from < near.from {
+                (near, far) = (far, near);
+            }
+            let base = self.height;
+            self.waiting.get_unchecked_mut(base).write(far);
+            self.height += 1;
+            while hit != 0 {
+                let lane = hit.trailing_zeros() as usize;
+                hit &= hit - 1;
+                let mut next = entry(lane);
+                if next.from < near.from {
+                    (near, next) = (next, near);
+                }
+                let mut place = self.height;
+                while place > base
+                    && self.waiting.get_unchecked(place - 1).assume_init().from < next.from
+                {
+                    *self.waiting.get_unchecked_mut(place) = *self.waiting.get_unchecked(place - 1);
+                    place -= 1;
+                }
+                self.waiting.get_unchecked_mut(place).write(next);
+                self.height += 1;
+            }
+            near.child
+        }
+    }
+
+    /// The last that waits and is entered up to `last`.
+    ///
+    /// # Safety
+    /// What is below the height was written.
+    #[inline(always)]
+    unsafe fn pop(&mut self, last: f32) -> Option<Word> {
+        while self.height > 0 {
+            self.height -= 1;
+            // SAFETY: the caller's promise.
+            let waiting = unsafe { self.waiting.get_unchecked(self.height).assume_init() };
+            if waiting.from <= last {
+                return Some(waiting.child);
+            }
+        }
+        None
+    }
 }
 
 /// One triangle of a block, and its number.
@@ -242,8 +325,7 @@ pub(super) fn closest<L: Lanes, C: Counter>(
     // From lengths along the frame's z to those of the walk, rounded up.
     let walk_per_length = walk.per_t / rate * (1.0 + 4.0 * f32::EPSILON);
     let mut last = ray.interval.max * walk.per_t;
-    let mut stack = [const { MaybeUninit::<Waiting>::uninit() }; STACK];
-    let mut height = 0_usize;
+    let mut stack = Stack::new();
     let mut current = root;
     // SAFETY: the machine has the instructions, by the promise of whoever calls with these lanes; words of the tree name its nodes
     // and blocks; the stack is as high as the tree's depth allows, and read only where it was written.
@@ -281,61 +363,61 @@ pub(super) fn closest<L: Lanes, C: Counter>(
             } else {
                 counter.node();
                 let node = &*store.node(current);
-                let (mut hit, from) = node_ray.test(node, last_lanes);
+                let (hit, from) = node_ray.test(node, last_lanes);
                 if hit != 0 {
-                    let first = hit.trailing_zeros() as usize;
-                    hit &= hit - 1;
-                    let child = |lane: usize| *node.children.get_unchecked(lane);
-                    if hit == 0 {
-                        current = child(first);
-                        continue;
-                    }
-                    let mut entries = [0.0; 8];
-                    from.store(&mut entries);
-                    let entry = |lane: usize| Waiting {
-                        from: *entries.get_unchecked(lane),
-                        child: child(lane),
-                    };
-                    let second = hit.trailing_zeros() as usize;
-                    hit &= hit - 1;
-                    let (mut near, mut far) = (entry(first), entry(second));
-                    if far.from < near.from {
-                        (near, far) = (far, near);
-                    }
-                    let base = height;
-                    stack.get_unchecked_mut(height).write(far);
-                    height += 1;
-                    while hit != 0 {
-                        let lane = hit.trailing_zeros() as usize;
-                        hit &= hit - 1;
-                        let mut next = entry(lane);
-                        if next.from < near.from {
-                            (near, next) = (next, near);
-                        }
-                        let mut place = height;
-                        while place > base
-                            && stack.get_unchecked(place - 1).assume_init().from < next.from
-                        {
-                            *stack.get_unchecked_mut(place) = *stack.get_unchecked(place - 1);
-                            place -= 1;
-                        }
-                        stack.get_unchecked_mut(place).write(next);
-                        height += 1;
-                    }
-                    current = near.child;
+                    current = stack.descend(node, hit, from);
                     continue;
                 }
             }
-            loop {
-                if height == 0 {
-                    return search.finish();
+            match stack.pop(last) {
+                Some(next) => current = next,
+                None => return search.finish(),
+            }
+        }
+    }
+}
+
+/// Calls `visit` with the numbers in the leaves that the ray meets, within the limit of `t` that the last call returned. `false` if the ray is
+/// not for the walk.
+#[inline(always)]
+pub(super) fn visit<L: Lanes, C: Counter>(
+    tree: Tree<'_>,
+    ray: &Ray,
+    counter: &mut C,
+    visit: &mut dyn FnMut(u32, &mut C) -> f32,
+) -> bool {
+    let Tree { store, root, reach } = tree;
+    let Some(walk) = WalkRay::new(ray, reach) else {
+        return false;
+    };
+    let mut stack = Stack::new();
+    let mut current = root;
+    let mut last = ray.interval.max * walk.per_t;
+    // SAFETY: as in `closest`.
+    unsafe {
+        let node_ray = NodeRay::<L>::new(&walk, ray.interval.min * walk.per_t);
+        loop {
+            if current.is_leaf() {
+                counter.leaf();
+                for &number in store.numbers(current) {
+                    let limit = visit(number, counter);
+                    if limit < ray.interval.min {
+                        return true;
+                    }
+                    last = limit * walk.per_t;
                 }
-                height -= 1;
-                let waiting = stack.get_unchecked(height).assume_init();
-                if waiting.from <= last {
-                    current = waiting.child;
-                    break;
+            } else {
+                counter.node();
+                let node = &*store.node(current);
+                let (hit, from) = node_ray.test(node, L::splat(last));
+                if hit != 0 {
+                    current = stack.descend(node, hit, from);
+                    continue;
                 }
+            }
+            match stack.pop(last) {
+                Some(next) => current = next,
+                None => return true,
             }
         }
     }
