@@ -104,6 +104,20 @@ pub const NUMERATOR_FILTER: f64 = 10.0 * U64;
 /// see [`NUMERATOR_FILTER`].
 pub const DENOMINATOR_FILTER: f64 = 9.0 * U64;
 
+/// Factor on a running error bound that pays for the bound's own roundings.
+///
+/// It is a sum of at most four products and quotients of numbers that are not negative, in at most eight operations: `(1 + v)^8 < 1 + 9v`. Less: a bound may
+/// be rounded to below the error.
+pub const RUNNING_BOUND: f64 = 1.0 + 16.0 * U64;
+
+/// Greatest error of a component of a plane's normal, in units of the largest component, for which `f64` is trusted; above, it is computed in
+/// integers. At 2^-40 a polygon a metre wide is placed to within 1e-12 m. Smaller: more integers; greater: more of the plane's neighbourhood is in doubt.
+pub const PLANE_TRUST: f64 = 1.0 / (1_u64 << 40) as f64;
+
+/// Greatest error of a constructed point, in units of its greatest coordinate, for which `f64` is trusted; above, its position is rounded from integers.
+/// As [`PLANE_TRUST`].
+pub const POSITION_TRUST: f64 = 1.0 / (1_u64 << 40) as f64;
+
 /// Least share of its permanent that the largest component of a triangle's normal must reach for `f64` to be trusted
 /// with its direction; below, it is computed in integers.
 ///
