@@ -228,5 +228,5 @@ fn sides_orders_and_positions_are_those_of_rational_numbers() {
             }
         }
     }
-    assert!(zeros.iter().all(|&z| z > 1000), "{zeros:?} of {kinds:?}");
+    assert!(zeros.iter().all(|&z| z > 200), "{zeros:?} of {kinds:?}");
 }
