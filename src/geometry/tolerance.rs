@@ -159,6 +159,18 @@ pub const WALK_ERROR: f32 = 32.0 * U32;
 /// a multiple of u times this distance; [`instance_margin`] covers it up to here.
 pub const INSTANCE_FAR: f64 = 64.0;
 
+/// Height above a plane that covers the roundings of a ray's walk through the polygon BSP, in units of the sum of the coordinates of `o - a` and of `t d`,
+/// beside the error of the plane's normal: 16 v.
+///
+/// `n . (o - a) + t n . d` in `f64`, the greatest component of `n` being 1: each term of the products has the rounding of the difference `o - a`, of
+/// the product and of two sums, 4v; the time at which the height leaves the margin has a difference and a quotient, which move the height by 2v of its parts; the height at a
+/// given time a product and a sum: 2v. Together 8v at most; the rest is for the roundings of the margin itself. Smaller: hits in planes are lost.
+pub const WALK_MARGIN: f64 = 16.0 * U64;
+
+/// Greatest difference between a polygon's area and those of its fragments, in units of its area and of its longest edge times its greatest
+/// coordinate. The coordinates of cut corners are rounded by [`POSITION_TRUST`] of the greatest at most, and so is a strip along each cut; 64 cuts are covered.
+pub const TILING_AREA: f64 = 64.0 * POSITION_TRUST;
+
 /// How far the object-space form of a ray passes beside its world-space line, at most, in world units.
 ///
 /// The object-space origin and direction are rounded: by `u |o|` and `u |d|` a component, `o` being at most `reach *

@@ -20,14 +20,23 @@ mod build;
 mod fragment;
 mod input;
 mod order;
+mod scene;
+mod set;
 mod split;
 mod text;
 mod tree;
+mod validate;
 mod visibility;
+mod walk;
 
 pub use build::BuildLimits;
 pub use fragment::{Corner, Edge, Fragment, Loop, Origin, Polygon};
 pub use order::{CANDIDATES, SAMPLE};
+pub use scene::{Located, PlacedTree, SceneTree, SceneTrees};
 pub use split::Placing;
 pub use tree::{Node, PolygonBsp, TreeStats};
+pub use validate::TreeFault;
 pub use visibility::Seen;
+
+pub(in crate::accel) use scene::outlines;
+pub(in crate::accel) use set::PolygonSet;
