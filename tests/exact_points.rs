@@ -4,6 +4,7 @@
 //! numbers, neighbours of each other, planes through common points.
 
 #[path = "support/random.rs"]
+#[allow(dead_code, reason = "shared by several tests")]
 mod random;
 
 use std::cmp::Ordering;

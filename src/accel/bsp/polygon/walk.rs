@@ -218,3 +218,57 @@ impl Step {
         (near, true, Some((to, far_span)))
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::accel::bsp::polygon::Fragment;
+    use crate::accel::counters::Uncounted;
+    use crate::geometry::exact::ExactPlane;
+    use crate::geometry::{RayFrame, Triangle};
+
+    #[test]
+    fn a_chain_of_a_million_nodes_is_traced_printed_and_dropped() {
+        const COUNT: u32 = 1_000_000;
+        let at = |z: f32| [[0.0, 0.0, z], [3.0, 0.0, z], [0.0, 2.0, z]].map(Vec3::from_array);
+        let [a, b, c] = at(COUNT as f32 - 1.0);
+        let mut tree = PolygonBsp {
+            planes: (0..COUNT)
+                .filter_map(|i| ExactPlane::new(at(i as f32)))
+                .collect(),
+            polygons: vec![crate::accel::bsp::polygon::Polygon {
+                plane: COUNT - 1,
+                triangles: vec![0],
+                loops: Vec::new(),
+            }],
+            triangles: vec![Triangle::new(a, b, c)],
+            ..PolygonBsp::default()
+        };
+        let mut parent = None;
+        for plane in 0..COUNT {
+            parent = Some((tree.push_node(plane, parent), true));
+        }
+        tree.push_fragment(Fragment {
+            polygon: 0,
+            loops: Vec::new(),
+            triangles: vec![0],
+            piece: None,
+        });
+        assert_eq!(tree.stats().depth, COUNT);
+        assert_eq!(tree.to_string().lines().count(), COUNT as usize);
+        assert_eq!(tree.to_dot().lines().count(), 2 * COUNT as usize + 2);
+        assert_eq!(tree.front_to_back(DVec3::ZERO).len(), 1);
+        let walk = Walk::new(&tree);
+        for (from, direction) in [(2e6, Vec3::NEG_Z), (0.5, Vec3::Z)] {
+            let ray = Ray::new(Vec3::new(0.5, 0.5, from), direction);
+            let frame = RayFrame::new(&ray);
+            let mut found = None;
+            walk.visit(&ray, &mut Uncounted, |run, _| {
+                assert_eq!(run, [0]);
+                found = frame.intersect(&tree.triangles[0]);
+                found.unwrap_or(f32::INFINITY)
+            });
+            assert_eq!(found, Some((from - (COUNT as f32 - 1.0)).abs()));
+        }
+    }
+}
