@@ -104,6 +104,20 @@ pub const NUMERATOR_FILTER: f64 = 10.0 * U64;
 /// see [`NUMERATOR_FILTER`].
 pub const DENOMINATOR_FILTER: f64 = 9.0 * U64;
 
+/// Factor on a running error bound that pays for the bound's own roundings.
+///
+/// It is a sum of at most four products and quotients of numbers that are not negative, in at most eight operations: `(1 + v)^8 < 1 + 9v`. Less: a bound may
+/// be rounded to below the error.
+pub const RUNNING_BOUND: f64 = 1.0 + 16.0 * U64;
+
+/// Greatest error of a component of a plane's normal, in units of the largest component, for which `f64` is trusted; above, it is computed in
+/// integers. At 2^-40 a polygon a metre wide is placed to within 1e-12 m. Smaller: more integers; greater: more of the plane's neighbourhood is in doubt.
+pub const PLANE_TRUST: f64 = 1.0 / (1_u64 << 40) as f64;
+
+/// Greatest error of a constructed point, in units of its greatest coordinate, for which `f64` is trusted; above, its position is rounded from integers.
+/// As [`PLANE_TRUST`].
+pub const POSITION_TRUST: f64 = 1.0 / (1_u64 << 40) as f64;
+
 /// Least share of its permanent that the largest component of a triangle's normal must reach for `f64` to be trusted
 /// with its direction; below, it is computed in integers.
 ///
@@ -168,6 +182,18 @@ pub const CUT_ERROR_BY_PLACE: f32 = 8.0 * U32;
 /// A ray taken to an instance's object space is rounded there, and so passes the instance beside its world-space line by
 /// a multiple of u times this distance; [`instance_margin`] covers it up to here.
 pub const INSTANCE_FAR: f64 = 64.0;
+
+/// Height above a plane that covers the roundings of a ray's walk through the polygon BSP, in units of the sum of the coordinates of `o - a` and of `t d`,
+/// beside the error of the plane's normal: 16 v.
+///
+/// `n . (o - a) + t n . d` in `f64`, the greatest component of `n` being 1: each term of the products has the rounding of the difference `o - a`, of
+/// the product and of two sums, 4v; the time at which the height leaves the margin has a difference and a quotient, which move the height by 2v of its parts; the height at a
+/// given time a product and a sum: 2v. Together 8v at most; the rest is for the roundings of the margin itself. Smaller: hits in planes are lost.
+pub const WALK_MARGIN: f64 = 16.0 * U64;
+
+/// Greatest difference between a polygon's area and those of its fragments, in units of its area and of its longest edge times its greatest
+/// coordinate. The coordinates of cut corners are rounded by [`POSITION_TRUST`] of the greatest at most, and so is a strip along each cut; 64 cuts are covered.
+pub const TILING_AREA: f64 = 64.0 * POSITION_TRUST;
 
 /// How far the object-space form of a ray passes beside its world-space line, at most, in world units.
 ///
