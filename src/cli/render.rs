@@ -12,6 +12,7 @@ use bspray::render::{
 use bspray::scene::Scene;
 use clap::{Args, ValueEnum};
 
+use super::bsp_args::BspArgs;
 use super::camera_args::{self, CameraArgs};
 use super::summary::{RenderSummary, Seconds};
 use super::values::{self, CropWindow, PixelBounds};
@@ -42,6 +43,8 @@ pub(super) struct RenderArgs {
     #[arg(long, value_name = "KIND", default_value_t = AcceleratorKind::default(), value_parser = values::accelerator,
         long_help = accelerator_help())]
     accel: AcceleratorKind,
+    #[command(flatten)]
+    bsp: BspArgs,
     /// How colours come about
     #[arg(long, value_enum, value_name = "NAME", default_value_t = IntegratorName::Direct)]
     integrator: IntegratorName,
@@ -156,7 +159,10 @@ pub(super) fn run(args: &RenderArgs) -> anyhow::Result<Done> {
         .build()
         .context("cannot start threads")?;
     let started = Instant::now();
-    let accelerator = pool.install(|| args.accel.build(&scene));
+    let accelerator = pool.install(|| {
+        let options = args.bsp.options(args.seed);
+        args.accel.build_with(&scene, &options)
+    });
     let build = started.elapsed().as_secs_f64();
     let stage = Stage::new(&scene, &*accelerator, args.camera.up(), sky_mode(args.sky));
     let wants_layers = outputs
