@@ -59,9 +59,9 @@ fn solve(planes: [&ExactPlane; 3]) -> Option<Rationals> {
         for r in 0..3 {
             if r != column {
                 let factor = &rows[r][column] / &rows[column][column];
-                for k in 0..4 {
-                    let part = &factor * &rows[column][k];
-                    rows[r][k] = &rows[r][k] - part;
+                let pivot = rows[column].clone();
+                for (x, p) in rows[r].iter_mut().zip(pivot) {
+                    *x = &*x - &factor * p;
                 }
             }
         }
@@ -172,8 +172,8 @@ fn sides_orders_and_positions_are_those_of_rational_numbers() {
             };
             kinds[which] += 1;
             let position = point.position();
-            for i in 0..3 {
-                let error = number(position.point[i]) - &truth[i];
+            for (i, truth) in truth.iter().enumerate() {
+                let error = number(position.point[i]) - truth;
                 let bound = number(position.error);
                 assert!(
                     error <= bound && -error <= bound,

@@ -80,7 +80,7 @@ fn eleven_edges_make_the_tree_of_the_lecture() {
 
 fn block() -> Scene {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("models/lecture-block.obj");
-    bspray::import::load(&[path]).unwrap()
+    bspray::import::load(&[path]).expect("the block of this repository")
 }
 
 #[test]

@@ -30,3 +30,39 @@ pub fn side_of_point(plane: [Vec3; 3], p: Vec3) -> Sign {
         Sign::Zero
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn neighbours_of_a_slope_are_told_from_it_at_every_scale() {
+        for scale in [1e-30, 1.0, 3e9, 1e18] {
+            let plane = [[0.0, 0.0, 0.0], [3.0, 0.0, 1.0], [0.0, 2.0, 1.0]]
+                .map(|p| Vec3::from_array(p) * scale);
+            let p = plane[1] * 0.5;
+            assert_eq!(side_of_point(plane, p), Sign::Zero);
+            assert_eq!(
+                side_of_point(plane, p.with_z(p.z.next_up())),
+                Sign::Positive
+            );
+            assert_eq!(
+                side_of_point(plane, p.with_z(p.z.next_down())),
+                Sign::Negative
+            );
+        }
+    }
+
+    #[test]
+    fn a_turned_plane_has_its_sides_exchanged() {
+        let [a, b, c] = [
+            Vec3::ZERO,
+            Vec3::new(3.0, 0.0, 0.0),
+            Vec3::new(0.0, 2.0, 0.0),
+        ];
+        let least = Vec3::new(7.0, -5.0, f32::from_bits(1));
+        assert_eq!(side_of_point([a, b, c], least), Sign::Positive);
+        assert_eq!(side_of_point([a, c, b], least), Sign::Negative);
+        assert_eq!(side_of_point([b, c, a], least), Sign::Positive);
+    }
+}

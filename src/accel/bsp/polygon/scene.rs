@@ -15,7 +15,7 @@ use crate::scene::Scene;
 pub struct SceneTrees {
     trees: Vec<SceneTree>,
     placements: Vec<PlacedTree>,
-    /// By instance and triangle for trees in world space, else by tree: where its triangles begin.
+    /// By instance: its tree, and where its triangles begin there.
     first_triangle: HashMap<u32, (u32, u32)>,
 }
 
@@ -169,6 +169,9 @@ impl SceneTrees {
 impl PolygonBsp {
     /// The fragment of this triangle's polygon in which the point lies, and its node. Of several within rounding, that on the point's computed side.
     pub fn locate(&self, triangle: u32, point: DVec3) -> Option<(u32, u32)> {
+        if self.left_out.binary_search(&triangle).is_ok() {
+            return None;
+        }
         // The likelier side of each plane is looked at first; the other in the order of its distance, so that rounding leads astray only if it must.
         let mut others = Vec::new();
         let mut at = (!self.nodes.is_empty()).then_some(0);

@@ -54,3 +54,34 @@ impl fmt::Display for PolygonBsp {
         Ok(())
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use crate::accel::bsp::polygon::PolygonBsp;
+    use crate::accel::{BspOrder, BuildOptions};
+    use crate::geometry::Triangle;
+    use glam::Vec3;
+
+    #[test]
+    fn pieces_beyond_the_alphabet_have_two_letters() {
+        // A floor cut by thirty walls.
+        let wall = |i: u32| {
+            let x = i as f32 + 0.5;
+            let at = |y, z| Vec3::new(x, y, z);
+            Triangle::new(at(-9.0, -9.0), at(9.0, -9.0), at(0.0, 9.0))
+        };
+        let floor = Triangle::new(Vec3::ZERO, Vec3::X * 40.0, Vec3::Y * 2.0);
+        let triangles = (0..30).map(wall).chain([floor]).collect();
+        let options = BuildOptions {
+            order: BspOrder::File,
+            ..BuildOptions::default()
+        };
+        let tree = PolygonBsp::build(triangles, &[], &options);
+        let text = tree.to_string();
+        // The last piece lies before the last wall: the deepest front.
+        assert!(text.ends_with("front 31ae\n"), "{text}");
+        assert!(text.contains("back 31a\n") && text.contains("back 31aa\n"));
+        assert_eq!(tree.to_dot().matches("shape=box").count(), 1);
+        assert_eq!(PolygonBsp::default().to_string(), "");
+    }
+}
