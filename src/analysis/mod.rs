@@ -25,13 +25,15 @@
 mod accuracy;
 mod clock;
 mod compare;
+mod dispute;
 mod measure;
 mod view_rays;
 
 pub use accuracy::{Fault, Faults, Oracle, judge};
 pub use clock::{Elapsed, Stopwatch};
 pub use compare::{
-    BuiltMethod, CompareOptions, Comparison, MethodOnSet, Phase, SetReport, WrongRay, compare_set,
+    BuiltMethod, CompareOptions, Comparison, MethodOnSet, Phase, SetReport, compare_set,
 };
+pub use dispute::WrongRay;
 pub use measure::{Speed, Spread, Timing, answers, build, speeds_in_turns, steps};
 pub use view_rays::{Query, RayPurpose, RaySet, ViewOptions, view_rays};

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use anyhow::{Context, bail};
-use bspray::accel::AcceleratorKind;
+use bspray::accel::{AcceleratorKind, BspQuality, BuildOptions};
 use bspray::picture::{Raster, RasterPixels, ToneMap, exposure_factor, exr, ldr, srgb};
 use bspray::render::{
     self, Film, Integrator, PixelFilter, PixelRect, RenderOptions, SkyMode, Stage,
@@ -40,8 +40,11 @@ pub(super) struct RenderArgs {
     threads: usize,
     /// The structure that finds what rays hit
     #[arg(long, value_name = "KIND", default_value_t = AcceleratorKind::default(), value_parser = values::accelerator,
-        long_help = accelerator_help())]
+        long_help = accelerator_help("The structure that finds what rays hit"))]
     accel: AcceleratorKind,
+    /// Time spent on the build of the wide BSP, against its speed: fast, default or best
+    #[arg(long, value_name = "NAME", default_value_t = BspQuality::default(), value_parser = values::bsp_quality)]
+    bsp_quality: BspQuality,
     /// How colours come about
     #[arg(long, value_enum, value_name = "NAME", default_value_t = IntegratorName::Direct)]
     integrator: IntegratorName,
@@ -120,12 +123,10 @@ enum FilterName {
     BlackmanHarris,
 }
 
-fn accelerator_help() -> String {
+/// What the option is for, and a line about every kind.
+pub(super) fn accelerator_help(purpose: &str) -> String {
     let lines = AcceleratorKind::ALL.map(|k| format!("- {}: {}", k.name(), k.description()));
-    format!(
-        "The structure that finds what rays hit\n\n{}",
-        lines.join("\n")
-    )
+    format!("{purpose}\n\n{}", lines.join("\n"))
 }
 
 /// Renders.
@@ -156,7 +157,11 @@ pub(super) fn run(args: &RenderArgs) -> anyhow::Result<Done> {
         .build()
         .context("cannot start threads")?;
     let started = Instant::now();
-    let accelerator = pool.install(|| args.accel.build(&scene));
+    let build_options = BuildOptions {
+        quality: args.bsp_quality,
+        ..BuildOptions::default()
+    };
+    let accelerator = pool.install(|| args.accel.build_with(&scene, &build_options));
     let build = started.elapsed().as_secs_f64();
     let stage = Stage::new(&scene, &*accelerator, args.camera.up(), sky_mode(args.sky));
     let wants_layers = outputs
@@ -239,7 +244,7 @@ pub(super) fn run(args: &RenderArgs) -> anyhow::Result<Done> {
 /// Notes or defects that are told one by one; `inspect` lists all.
 const TOLD: usize = 12;
 
-fn tell(kind: &str, messages: &[impl std::fmt::Display]) {
+pub(super) fn tell(kind: &str, messages: &[impl std::fmt::Display]) {
     messages
         .iter()
         .take(TOLD)

@@ -2,7 +2,7 @@
 
 use std::str::FromStr;
 
-use bspray::accel::AcceleratorKind;
+use bspray::accel::{AcceleratorKind, BspQuality};
 use bspray::render::PixelRect;
 use glam::Vec3;
 
@@ -17,6 +17,9 @@ pub(super) const MOST_SAMPLES: i64 = 1 << 20;
 
 /// Most threads that can be asked for: more than any machine of today has.
 const MOST_THREADS: usize = 4096;
+
+/// Most rays of one kind that are compared: some gigabytes of rays and answers.
+pub(super) const MOST_RAYS: i64 = 1 << 24;
 
 /// `WxH` or `W,H`: width and height in pixels.
 pub(super) fn resolution(text: &str) -> Result<(u32, u32), String> {
@@ -208,6 +211,15 @@ pub(super) fn accelerator(text: &str) -> Result<AcceleratorKind, String> {
     AcceleratorKind::ALL
         .into_iter()
         .find(|k| k.name() == text)
+        .ok_or_else(|| format!("want one of {}", names()))
+}
+
+/// The name of a preset of the wide BSP's build.
+pub(super) fn bsp_quality(text: &str) -> Result<BspQuality, String> {
+    let names = || BspQuality::ALL.map(BspQuality::name).join(", ");
+    BspQuality::ALL
+        .into_iter()
+        .find(|q| q.name() == text)
         .ok_or_else(|| format!("want one of {}", names()))
 }
 
