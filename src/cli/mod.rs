@@ -1,10 +1,12 @@
 //! The command line: arguments in, words and exit codes out. One file a sub-command.
 //!
 //! Results go to standard output, everything else to standard error. Exit codes: 0 done, 1 failure, 2 wrong usage, 4 ended
-//! early with a partial picture.
+//! early with a partial picture, 5 the first structure of a comparison is wrong.
 
 mod bsp_args;
 mod camera_args;
+mod compare;
+mod compare_report;
 mod inspect;
 mod metadata;
 mod numbers;
@@ -34,6 +36,8 @@ enum Command {
     Render(Box<render::RenderArgs>),
     /// Tell what model files hold
     Inspect(inspect::InspectArgs),
+    /// Compare structures on the rays of one view: builds, speed, steps, and who is right
+    Compare(Box<compare::CompareArgs>),
     /// Print a script that completes bspray's arguments in a shell
     Completions(shell::CompletionsArgs),
     /// Print bspray's manual page, in roff
@@ -46,6 +50,19 @@ enum Done {
     Completely,
     /// The picture is partial.
     Partially,
+    /// The first structure of a comparison gave wrong answers.
+    FirstIsWrong,
+}
+
+impl Done {
+    /// The exit code.
+    fn code(&self) -> u8 {
+        match self {
+            Self::Completely => 0,
+            Self::Partially => 4,
+            Self::FirstIsWrong => 5,
+        }
+    }
 }
 
 /// Arguments that are well formed, but make no sense together or for these files.
@@ -59,12 +76,12 @@ pub(crate) fn run() -> ExitCode {
     let done = match cli.command {
         Command::Render(args) => render::run(&args),
         Command::Inspect(args) => inspect::run(&args),
+        Command::Compare(args) => compare::run(&args),
         Command::Completions(args) => shell::completions(&args),
         Command::Man => shell::man(),
     };
     match done {
-        Ok(Done::Completely) => ExitCode::SUCCESS,
-        Ok(Done::Partially) => ExitCode::from(4),
+        Ok(done) => ExitCode::from(done.code()),
         Err(error) if output::is_broken_pipe(&error) => ExitCode::SUCCESS,
         Err(error) => {
             output::error(&error);

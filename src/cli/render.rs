@@ -41,7 +41,7 @@ pub(super) struct RenderArgs {
     threads: usize,
     /// The structure that finds what rays hit
     #[arg(long, value_name = "KIND", default_value_t = AcceleratorKind::default(), value_parser = values::accelerator,
-        long_help = accelerator_help())]
+        long_help = accelerator_help("The structure that finds what rays hit"))]
     accel: AcceleratorKind,
     #[command(flatten)]
     bsp: BspArgs,
@@ -123,12 +123,10 @@ enum FilterName {
     BlackmanHarris,
 }
 
-fn accelerator_help() -> String {
+/// What the option is for, and a line about every kind.
+pub(super) fn accelerator_help(purpose: &str) -> String {
     let lines = AcceleratorKind::ALL.map(|k| format!("- {}: {}", k.name(), k.description()));
-    format!(
-        "The structure that finds what rays hit\n\n{}",
-        lines.join("\n")
-    )
+    format!("{purpose}\n\n{}", lines.join("\n"))
 }
 
 /// Renders.
@@ -245,7 +243,7 @@ pub(super) fn run(args: &RenderArgs) -> anyhow::Result<Done> {
 /// Notes or defects that are told one by one; `inspect` lists all.
 const TOLD: usize = 12;
 
-fn tell(kind: &str, messages: &[impl std::fmt::Display]) {
+pub(super) fn tell(kind: &str, messages: &[impl std::fmt::Display]) {
     messages
         .iter()
         .take(TOLD)

@@ -18,6 +18,9 @@ pub(super) const MOST_SAMPLES: i64 = 1 << 20;
 /// Most threads that can be asked for: more than any machine of today has.
 const MOST_THREADS: usize = 4096;
 
+/// Most rays of one kind that are compared: some gigabytes of rays and answers.
+pub(super) const MOST_RAYS: i64 = 1 << 24;
+
 /// `WxH` or `W,H`: width and height in pixels.
 pub(super) fn resolution(text: &str) -> Result<(u32, u32), String> {
     let parts: Vec<_> = text.split([',', 'x', 'X']).collect();

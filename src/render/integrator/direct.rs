@@ -30,7 +30,7 @@ pub(super) fn shade(
     let mut add = |tracer: &mut Tracer, incident: Incident| {
         let cosine = incident.direction.dot(surface.shading_normal);
         if cosine > 0.0 && incident.direction.dot(surface.geometric_normal) > 0.0 {
-            let shadow = shadow_ray(surface, &incident, depth);
+            let shadow = shadow_ray_to(surface, &incident, depth);
             irradiance +=
                 incident.irradiance * (cosine * visibility(stage, tracer, shadow, RayKind::Shadow));
         }
@@ -60,7 +60,7 @@ pub(super) fn shade(
                 target: None,
                 irradiance: Vec3::ZERO,
             };
-            let shadow = shadow_ray(surface, &incident, depth);
+            let shadow = shadow_ray_to(surface, &incident, depth);
             // The density, cosine over pi, cancels the cosine and leaves pi.
             let visible = visibility(stage, tracer, shadow, RayKind::Shadow);
             irradiance += sky.radiance(direction) * (std::f32::consts::PI * visible);
@@ -69,7 +69,8 @@ pub(super) fn shade(
     material.emission + material.base_color * irradiance * FRAC_1_PI
 }
 
-fn shadow_ray(surface: &Surface, incident: &Incident, depth: u32) -> Ray {
+/// The ray that asks whether the light arrives.
+pub(in super::super) fn shadow_ray_to(surface: &Surface, incident: &Incident, depth: u32) -> Ray {
     let origin = surface.origin_towards(incident.direction);
     let (direction, interval) = match incident.target {
         Some(target) => (target - origin, Interval::new(0.0, 1.0)),

@@ -4,6 +4,8 @@ mod ambient;
 mod direct;
 mod geometry;
 
+pub(super) use direct::shadow_ray_to;
+
 use glam::Vec3;
 
 use super::sampler::Sampler;

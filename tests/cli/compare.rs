@@ -1,0 +1,204 @@
+//! `bspray compare`: every structure in the table, a JSON object that says all, and clear words for what cannot be.
+
+use serde_json::Value;
+
+use super::run::{Ran, bspray, model, render};
+
+/// Compares on a view of a few hundred rays, with more arguments behind.
+fn compare(name: &str, args: &[&str]) -> Ran {
+    let folder = tempfile::tempdir().unwrap();
+    let model = model(name);
+    let small = [
+        "compare",
+        &model,
+        "--resolution",
+        "24x16",
+        "--repetitions",
+        "2",
+    ];
+    let all: Vec<&str> = small.into_iter().chain(args.iter().copied()).collect();
+    let ran = bspray(folder.path(), &all);
+    assert_eq!(super::run::names(folder.path()), [""; 0]);
+    ran
+}
+
+#[test]
+fn the_table_has_every_structure_for_every_kind_of_rays_in_100_columns() {
+    let ran = compare("lecture-objects.gltf", &[]);
+    assert_eq!(ran.code, Some(0), "{ran:?}");
+    let lines: Vec<&str> = ran.stdout.lines().collect();
+    assert!(
+        lines
+            .iter()
+            .all(|l| l.chars().count() <= 100 || l.starts_with("camera:")),
+        "{}",
+        ran.stdout
+    );
+    for name in ["bsp", "bvh2", "cwbvh"] {
+        let rows: Vec<_> = lines
+            .iter()
+            .filter(|l| l.split_whitespace().next() == Some(name))
+            .collect();
+        // The build, four kinds of rays, the verdict.
+        assert_eq!(rows.len(), 6, "{}", ran.stdout);
+        assert!(rows[5].contains("nothing wrong"));
+    }
+    for kind in ["eye", "shadow", "ambient", "bounce"] {
+        let head = |l: &&str| l.starts_with(&format!("{kind}: ")) && l.contains(" rays, ");
+        assert!(lines.iter().any(|l| head(l)), "{kind}: {}", ran.stdout);
+    }
+    assert!(!ran.stdout.contains("linear"));
+    for words in [
+        "building bsp\n",
+        "camera: --camera-position 0.6,3,9.2 ",
+        "0 of ",
+    ] {
+        let said = format!("{}{}", ran.stderr, ran.stdout);
+        assert!(said.contains(words), "{words}: {said}");
+    }
+}
+
+#[test]
+fn json_says_all_with_units_in_its_names() {
+    let args = [
+        "--accel",
+        "cwbvh,linear,bsp",
+        "--json",
+        "--quiet",
+        "--seed",
+        "7",
+    ];
+    let more = ["--rays", "100", "--bsp-quality", "fast", "--threads", "1"];
+    let ran = compare("lecture-block.obj", &[&args[..], &more].concat());
+    assert_eq!((ran.code, &*ran.stderr), (Some(0), ""), "{ran:?}");
+    let value: Value = serde_json::from_str(&ran.stdout).expect("one JSON value");
+    let names = |list: &Value| -> Vec<String> {
+        let list = list.as_array().expect("a list").iter();
+        list.map(|m| m["kind"].as_str().expect("a name").to_owned())
+            .collect()
+    };
+    assert_eq!(names(&value["structures"]), ["cwbvh", "linear", "bsp"]);
+    assert_eq!(
+        names(&value["rays"]),
+        ["eye", "shadow", "ambient", "bounce"]
+    );
+    for (key, want) in [
+        ("seed", 7),
+        ("repetitions", 2),
+        ("build_threads", 1),
+        ("trace_threads", 1),
+        ("triangles_placed", 20),
+    ] {
+        assert_eq!(value[key], want, "{key}");
+    }
+    assert_eq!(value["bsp_quality"], "fast");
+    assert_eq!(value["first_is_right"], true);
+    let above_zero = |v: &Value| assert!(v.as_f64().is_some_and(|x| x > 0.0), "{v}");
+    for structure in value["structures"].as_array().unwrap() {
+        above_zero(&structure["build_seconds"]);
+        above_zero(&structure["bytes"]);
+        above_zero(&structure["bytes_per_triangle"]);
+    }
+    for set in value["rays"].as_array().unwrap() {
+        assert_eq!(set["disagreements"], 0);
+        assert_eq!(set["others_checked_against_every_triangle"], set["rays"]);
+        assert_eq!(set["wrong_rays"], serde_json::json!([]));
+        assert_eq!(names(&set["structures"]), ["cwbvh", "linear", "bsp"]);
+        for structure in set["structures"].as_array().unwrap() {
+            for quartile in ["first_quartile", "median", "third_quartile"] {
+                above_zero(&structure["rays_per_second"][quartile]);
+                above_zero(&structure["speed_ratio_to_first"][quartile]);
+            }
+            above_zero(&structure["triangle_tests_per_ray"]);
+            assert!(structure["nodes_per_ray"].is_number());
+            assert!(structure["leaves_per_ray"].is_number());
+            assert_eq!(structure["wrong"]["total"], 0);
+        }
+        assert_eq!(set["structures"][0]["speed_ratio_to_first"]["median"], 1.0);
+    }
+    assert_eq!(value["rays"][0]["rays"], 100);
+}
+
+#[test]
+fn rays_and_answers_repeat_with_the_seed() {
+    let counts = |seed: &str| {
+        let ran = compare(
+            "cornell-box.obj",
+            &["--json", "--seed", seed, "--rays", "128"],
+        );
+        let value: Value = serde_json::from_str(&ran.stdout).expect("one JSON value");
+        let sets = value["rays"].as_array().unwrap().iter();
+        sets.map(|s| {
+            let steps = &s["structures"][1]["triangle_tests_per_ray"];
+            format!("{} {} {steps}", s["rays"], s["hits"])
+        })
+        .collect::<Vec<_>>()
+    };
+    assert_eq!(counts("3"), counts("3"));
+    assert_ne!(counts("3"), counts("4"));
+}
+
+#[test]
+fn a_view_that_meets_nothing_has_no_other_rays() {
+    let away = [
+        "--camera-position",
+        "9,9,9",
+        "--camera-focal-point",
+        "99,99,99",
+    ];
+    let ran = compare("lecture-block.obj", &away);
+    assert_eq!(ran.code, Some(0), "{ran:?}");
+    assert!(ran.stdout.contains("0 % hit"), "{}", ran.stdout);
+    assert!(ran.stdout.contains("bounce: no rays"), "{}", ran.stdout);
+}
+
+#[test]
+fn what_cannot_be_compared_is_said_in_a_line() {
+    for (args, code, words) in [
+        (&["--accel", "bsp,octree"][..], 2, "want one of bsp"),
+        (
+            &["--accel", "bvh2,bvh2"],
+            2,
+            "error: --accel names bvh2 twice",
+        ),
+        (&["--rays", "0"], 2, "--rays"),
+        (&["--repetitions", "0"], 2, "--repetitions"),
+        (
+            &["--bsp-quality", "ultra"],
+            2,
+            "want one of fast, default, best",
+        ),
+        (&["--camera-index", "5"], 1, "the models have no camera"),
+    ] {
+        let ran = compare("lecture-block.obj", args);
+        assert_eq!(ran.code, Some(code), "{ran:?}");
+        assert!(ran.stderr.contains(words), "{words}: {}", ran.stderr);
+        assert_eq!(ran.stdout, "");
+    }
+    let ran = compare("no-such-model.obj", &[]);
+    assert_eq!((ran.code, ran.stderr.lines().count()), (Some(1), 1));
+    assert!(ran.stderr.starts_with("error: "), "{}", ran.stderr);
+}
+
+#[test]
+fn the_help_tells_the_exit_code() {
+    let folder = tempfile::tempdir().unwrap();
+    let ran = bspray(folder.path(), &["compare", "--help"]);
+    assert_eq!(ran.code, Some(0));
+    let words = ran.stdout.split_whitespace().collect::<Vec<_>>().join(" ");
+    assert!(words.contains("Exit code 5"), "{words}");
+}
+
+#[test]
+fn the_quality_of_the_build_does_not_change_a_picture() {
+    let folder = tempfile::tempdir().unwrap();
+    for quality in ["fast", "default", "best"] {
+        let name = format!("{quality}.png");
+        let args = ["--bsp-quality", quality, "-o", &name];
+        let ran = render(folder.path(), "lecture-objects.gltf", &args);
+        assert_eq!(ran.code, Some(0), "{ran:?}");
+    }
+    let bytes = |name: &str| std::fs::read(folder.path().join(name)).unwrap();
+    assert_eq!(bytes("fast.png"), bytes("default.png"));
+    assert_eq!(bytes("fast.png"), bytes("best.png"));
+}
