@@ -6,7 +6,7 @@ use super::run::{Ran, bspray, model, render};
 
 /// Compares on a view of a few hundred rays, with more arguments behind.
 fn compare(name: &str, args: &[&str]) -> Ran {
-    let folder = tempfile::tempdir().unwrap();
+    let folder = tempfile::tempdir().expect("a folder");
     let model = model(name);
     let small = [
         "compare",
@@ -45,7 +45,7 @@ fn the_table_has_every_structure_for_every_kind_of_rays_in_100_columns() {
     }
     for kind in ["eye", "shadow", "ambient", "bounce"] {
         let head = |l: &&str| l.starts_with(&format!("{kind}: ")) && l.contains(" rays, ");
-        assert!(lines.iter().any(|l| head(l)), "{kind}: {}", ran.stdout);
+        assert!(lines.iter().any(head), "{kind}: {}", ran.stdout);
     }
     assert!(!ran.stdout.contains("linear"));
     for words in [
