@@ -1,7 +1,7 @@
 //! Fragments: the part of a triangle that lies in a cell, known by its extent.
 //!
 //! Only the extent is kept. A fragment that is split again is cut afresh from its triangle, so that errors do not add up
-//! over the levels of the tree. In the units and the space of the tree (see [`frame`](super::frame)).
+//! over the levels of the tree. In the units and the space of the tree.
 
 use glam::Vec4;
 
