@@ -18,6 +18,7 @@ const FLOORS: &[(&str, u32)] = &[
 /// Crates, and the only places that may name them.
 const HOMES: &[(&str, &str)] = &[
     ("obvhs", "accel/bvh.rs"),
+    ("robust", "geometry/exact/orient.rs"),
     ("exr", "picture/exr.rs"),
     ("image", "picture/ldr.rs"),
     ("tobj", "import/obj/"),

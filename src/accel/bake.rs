@@ -4,8 +4,10 @@
 //! Meshes that are placed once, and those whose placement has no inverse, are baked into one set in world space, each point
 //! rounded once. A mesh that is placed several times stays in object space, and rays are taken there.
 
-use glam::{DAffine3, DVec3};
+use glam::{DAffine3, DMat3, DVec3};
 
+use super::normalized::NormalizedSpace;
+use crate::geometry::tolerance::{INSTANCE_FAR, instance_margin};
 use crate::geometry::{Aabb, Ray, Triangle};
 use crate::scene::{Instance, Scene};
 
@@ -98,6 +100,22 @@ pub(super) struct PlacedInstance {
     pub(super) world_from_object: DAffine3,
     /// Greatest distance of the mesh's points from the origin of its space.
     pub(super) object_radius: f64,
+}
+
+impl Placement {
+    /// How far the object-space form of a ray passes beside its world-space line, at most, in world units, for origins up to
+    /// [`INSTANCE_FAR`] from the middle of the placements.
+    pub(super) fn margin(&self, space: &NormalizedSpace) -> f64 {
+        let Some(instance) = &self.instance else {
+            return 0.0;
+        };
+        let norm = |m: DMat3| m.to_cols_array().iter().map(|x| x * x).sum::<f64>().sqrt();
+        let matrix = norm(instance.world_from_object.matrix3);
+        let inverse = norm(instance.object_from_world.matrix3);
+        let offset = space.distance(instance.world_from_object.translation);
+        let reach = INSTANCE_FAR / space.length(1.0);
+        instance_margin(matrix, inverse, instance.object_radius, reach + offset)
+    }
 }
 
 impl PlacedInstance {

@@ -12,7 +12,7 @@ use super::hit::Nearest;
 use super::instances::Top;
 use super::linear::offer;
 use super::normalized::{NormalizedSpace, Walk};
-use crate::geometry::tolerance::{INSTANCE_FAR, instance_margin};
+use crate::geometry::tolerance::INSTANCE_FAR;
 use crate::geometry::{Aabb, Ray, RayFrame};
 
 /// Largest margin of an instance's box in the tree, in normalised units: more would reach out of the ball around the scene
@@ -181,18 +181,10 @@ impl BvhTop {
             .iter()
             .fold(Aabb::EMPTY, |b, p| b.union(p.bounds));
         let space = NormalizedSpace::around(&bounds);
-        let reach = INSTANCE_FAR / space.length(1.0);
         let mut always = Vec::new();
         let (mut boxes, mut order_of_box) = (Vec::new(), Vec::new());
         for (index, placement) in placements.iter().enumerate() {
-            let margin = placement.instance.as_ref().map_or(0.0, |i| {
-                let norm =
-                    |m: glam::DMat3| m.to_cols_array().iter().map(|x| x * x).sum::<f64>().sqrt();
-                let matrix = norm(i.world_from_object.matrix3);
-                let inverse = norm(i.object_from_world.matrix3);
-                let offset = space.distance(i.world_from_object.translation);
-                instance_margin(matrix, inverse, i.object_radius, reach + offset)
-            });
+            let margin = placement.margin(&space);
             if placements.len() == 1 || space.length(margin) > LARGEST_MARGIN {
                 always.push(index as u32);
             } else {

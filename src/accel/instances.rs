@@ -50,7 +50,7 @@ pub(super) struct Instances<S, T> {
 impl<S: TraceSet, T: Top> Instances<S, T> {
     pub(super) fn build(
         baked: Baked,
-        build_set: impl Fn(TriangleSet) -> S,
+        build_set: impl FnMut(TriangleSet) -> S,
         build_top: impl Fn(&[Placement]) -> T,
     ) -> Self {
         let top = build_top(&baked.placements);

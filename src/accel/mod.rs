@@ -175,6 +175,8 @@ pub enum AcceleratorKind {
     /// A BSP of eight cells a node, each with the extent of its fragments.
     #[default]
     Bsp,
+    /// The lecture's BSP of polygons.
+    BspPolygon,
     /// obvhs's binary BVH.
     Bvh2,
     /// obvhs's compressed BVH of eight children a node (Ylitie, Karras, Laine 2017).
@@ -183,13 +185,20 @@ pub enum AcceleratorKind {
 
 impl AcceleratorKind {
     /// All kinds, the default first.
-    pub const ALL: [Self; 4] = [Self::Bsp, Self::Bvh2, Self::Cwbvh, Self::Linear];
+    pub const ALL: [Self; 5] = [
+        Self::Bsp,
+        Self::BspPolygon,
+        Self::Bvh2,
+        Self::Cwbvh,
+        Self::Linear,
+    ];
 
     /// The name on the command line and in reports.
     pub const fn name(self) -> &'static str {
         match self {
             Self::Linear => "linear",
             Self::Bsp => "bsp",
+            Self::BspPolygon => "bsp-polygon",
             Self::Bvh2 => "bvh2",
             Self::Cwbvh => "cwbvh",
         }
@@ -201,6 +210,9 @@ impl AcceleratorKind {
             Self::Linear => "every triangle, one after the other: the reference",
             Self::Bsp => {
                 "wide polygon BSP, eight cells a node with the extents of their fragments: the fastest"
+            }
+            Self::BspPolygon => {
+                "the lecture's BSP of polygons, exact: fragments in the planes of nodes"
             }
             Self::Bvh2 => "binary bounding volume hierarchy (obvhs)",
             Self::Cwbvh => "compressed bounding volume hierarchy, eight children a node (obvhs)",
@@ -229,8 +241,19 @@ impl AcceleratorKind {
             Self::Bsp => Box::new(Instances::build(
                 baked,
                 |set| bsp::wide::WideSet::build(set, options.quality),
-                |placements| EveryPlacement(placements.len() as u32),
+                bsp::wide::WideTop::build,
             )),
+            Self::BspPolygon => {
+                let mut outlines = bsp::polygon::outlines(scene, &baked).into_iter();
+                Box::new(Instances::build(
+                    baked,
+                    |set| {
+                        let outlines = outlines.next().unwrap_or_default();
+                        bsp::polygon::PolygonSet::build(set, &outlines, options)
+                    },
+                    |placements| EveryPlacement(placements.len() as u32),
+                ))
+            }
             Self::Bvh2 => Box::new(bvh(baked, BvhKind::Binary)),
             Self::Cwbvh => Box::new(bvh(baked, BvhKind::Wide)),
         }

@@ -3,10 +3,11 @@
 use std::path::PathBuf;
 
 use anyhow::{Context, bail};
-use bspray::accel::{AcceleratorKind, BspQuality, BuildOptions};
+use bspray::accel::AcceleratorKind;
 use bspray::analysis::{CompareOptions, Comparison, Phase};
 use clap::Args;
 
+use super::bsp_args::BspArgs;
 use super::camera_args::{self, CameraArgs};
 use super::compare_report::CompareReport;
 use super::{Done, UsageError, output, render, values};
@@ -25,9 +26,8 @@ pub(super) struct CompareArgs {
     #[arg(long, value_name = "KIND,...", value_delimiter = ',', value_parser = values::accelerator,
         long_help = render::accelerator_help("The structures, with commas between; the others are measured by the first [default: all but linear]"))]
     accel: Vec<AcceleratorKind>,
-    /// Time spent on the build of the wide BSP, against its speed: fast, default or best
-    #[arg(long, value_name = "NAME", default_value_t = BspQuality::default(), value_parser = values::bsp_quality)]
-    bsp_quality: BspQuality,
+    #[command(flatten)]
+    bsp: BspArgs,
     /// Width and height of the view, in pixels
     #[arg(long, value_name = "WxH", value_parser = values::resolution, default_value = "1280x720")]
     resolution: (u32, u32),
@@ -108,10 +108,7 @@ fn options(args: &CompareArgs) -> anyhow::Result<CompareOptions> {
         } else {
             args.accel.clone()
         },
-        build: BuildOptions {
-            quality: args.bsp_quality,
-            ..BuildOptions::default()
-        },
+        build: args.bsp.options(args.seed),
         size: args.resolution,
         most_rays: args.rays as usize,
         repetitions: args.repetitions as usize,

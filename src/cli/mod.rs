@@ -3,6 +3,7 @@
 //! Results go to standard output, everything else to standard error. Exit codes: 0 done, 1 failure, 2 wrong usage, 4 ended
 //! early with a partial picture, 5 the first structure of a comparison is wrong.
 
+mod bsp_args;
 mod camera_args;
 mod compare;
 mod compare_report;

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use anyhow::{Context, bail};
-use bspray::accel::{AcceleratorKind, BspQuality, BuildOptions};
+use bspray::accel::AcceleratorKind;
 use bspray::picture::{Raster, RasterPixels, ToneMap, exposure_factor, exr, ldr, srgb};
 use bspray::render::{
     self, Film, Integrator, PixelFilter, PixelRect, RenderOptions, SkyMode, Stage,
@@ -12,6 +12,7 @@ use bspray::render::{
 use bspray::scene::Scene;
 use clap::{Args, ValueEnum};
 
+use super::bsp_args::BspArgs;
 use super::camera_args::{self, CameraArgs};
 use super::summary::{RenderSummary, Seconds};
 use super::values::{self, CropWindow, PixelBounds};
@@ -42,9 +43,8 @@ pub(super) struct RenderArgs {
     #[arg(long, value_name = "KIND", default_value_t = AcceleratorKind::default(), value_parser = values::accelerator,
         long_help = accelerator_help("The structure that finds what rays hit"))]
     accel: AcceleratorKind,
-    /// Time spent on the build of the wide BSP, against its speed: fast, default or best
-    #[arg(long, value_name = "NAME", default_value_t = BspQuality::default(), value_parser = values::bsp_quality)]
-    bsp_quality: BspQuality,
+    #[command(flatten)]
+    bsp: BspArgs,
     /// How colours come about
     #[arg(long, value_enum, value_name = "NAME", default_value_t = IntegratorName::Direct)]
     integrator: IntegratorName,
@@ -157,11 +157,10 @@ pub(super) fn run(args: &RenderArgs) -> anyhow::Result<Done> {
         .build()
         .context("cannot start threads")?;
     let started = Instant::now();
-    let build_options = BuildOptions {
-        quality: args.bsp_quality,
-        ..BuildOptions::default()
-    };
-    let accelerator = pool.install(|| args.accel.build_with(&scene, &build_options));
+    let accelerator = pool.install(|| {
+        let options = args.bsp.options(args.seed);
+        args.accel.build_with(&scene, &options)
+    });
     let build = started.elapsed().as_secs_f64();
     let stage = Stage::new(&scene, &*accelerator, args.camera.up(), sky_mode(args.sky));
     let wants_layers = outputs

@@ -2,7 +2,7 @@
 
 use std::str::FromStr;
 
-use bspray::accel::{AcceleratorKind, BspQuality};
+use bspray::accel::AcceleratorKind;
 use bspray::render::PixelRect;
 use glam::Vec3;
 
@@ -211,15 +211,6 @@ pub(super) fn accelerator(text: &str) -> Result<AcceleratorKind, String> {
     AcceleratorKind::ALL
         .into_iter()
         .find(|k| k.name() == text)
-        .ok_or_else(|| format!("want one of {}", names()))
-}
-
-/// The name of a preset of the wide BSP's build.
-pub(super) fn bsp_quality(text: &str) -> Result<BspQuality, String> {
-    let names = || BspQuality::ALL.map(BspQuality::name).join(", ");
-    BspQuality::ALL
-        .into_iter()
-        .find(|q| q.name() == text)
         .ok_or_else(|| format!("want one of {}", names()))
 }
 

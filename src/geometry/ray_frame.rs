@@ -132,12 +132,6 @@ impl RayFrame {
         self.shear
     }
 
-    /// The direction's third component in the frame's order: its largest.
-    #[inline]
-    pub(crate) fn rate(&self) -> f32 {
-        self.axis.order(self.ray.direction).z
-    }
-
     /// Ends the interval at `max`, itself included: what a search for the closest hit does at each hit.
     #[inline]
     pub const fn set_max(&mut self, max: f32) {
@@ -155,12 +149,6 @@ impl RayFrame {
             Verdict::Meets => self.depth(triangle),
             Verdict::Doubt => self.settle(triangle),
         }
-    }
-
-    /// As [`intersect`](Self::intersect), for a triangle that the line is known to [meet](Verdict::Meets).
-    #[inline(always)]
-    pub fn intersect_met(&self, triangle: &Triangle) -> Option<f32> {
-        self.depth(triangle)
     }
 
     /// The first stage alone. What is [`Doubt`](Verdict::Doubt) costs the next stages: for statistics, and for tests
@@ -214,26 +202,31 @@ impl RayFrame {
         self.depth(triangle)
     }
 
-    /// The correctly rounded `t` of a line that meets the triangle, if it lies in the interval.
     #[inline(always)]
     fn depth(&self, triangle: &Triangle) -> Option<f32> {
-        let interval = self.ray.interval;
-        let bounds = filter::depth(&self.ray, triangle);
-        let t = match bounds.map(|(low, high)| (low as f32, high as f32)) {
-            // Adding +0 turns -0 into +0.
-            Some((low, high)) if low.to_bits() == high.to_bits() => low + 0.0,
-            // Beside the interval wherever it is.
-            Some((low, high)) if high < interval.min || low > interval.max => return None,
-            _ => self.exact_depth(triangle)?,
-        };
-        (t.is_finite() && interval.contains(t)).then_some(t)
+        depth(&self.ray, triangle)
     }
+}
 
-    #[cold]
-    #[inline(never)]
-    fn exact_depth(&self, triangle: &Triangle) -> Option<f32> {
-        exact::depth_of_plane(&self.ray, triangle).map(|depth| depth.to_f32())
-    }
+/// The correctly rounded `t` of a ray whose line meets the triangle, if it lies in the interval.
+#[inline(always)]
+pub(crate) fn depth(ray: &Ray, triangle: &Triangle) -> Option<f32> {
+    let interval = ray.interval;
+    let bounds = filter::depth(ray, triangle);
+    let t = match bounds.map(|(low, high)| (low as f32, high as f32)) {
+        // Adding +0 turns -0 into +0.
+        Some((low, high)) if low.to_bits() == high.to_bits() => low + 0.0,
+        // Beside the interval wherever it is.
+        Some((low, high)) if high < interval.min || low > interval.max => return None,
+        _ => exact_depth(ray, triangle)?,
+    };
+    (t.is_finite() && interval.contains(t)).then_some(t)
+}
+
+#[cold]
+#[inline(never)]
+fn exact_depth(ray: &Ray, triangle: &Triangle) -> Option<f32> {
+    exact::depth_of_plane(ray, triangle).map(|depth| depth.to_f32())
 }
 
 #[cfg(test)]

@@ -96,13 +96,27 @@ pub const NORMAL_FILTER: f64 = 5.0 * U64;
 /// Error of `((b - a) x (c - a)) . (a - o)` in `f64`, in units of its permanent.
 ///
 /// Eight roundings a term: four for the normal, the difference `a - o`, a product, two sums. The surplus of 2, and that
-/// of [`DENOMINATOR_FILTER`], are worth at least `4v |t|` in the radius around the quotient `t`. They pay for one
-/// rounding each of the quotient and of the interval's end, `2v |t|`; and a fifth of the radius pays for its own.
+/// of [`DENOMINATOR_FILTER`], are worth at least `4v |t|` in the radius around the quotient `t`. They pay for the two
+/// roundings of the quotient and that of the interval's end, `3v |t|`; and a fifth of the radius pays for its own.
 pub const NUMERATOR_FILTER: f64 = 10.0 * U64;
 
 /// Error of `((b - a) x (c - a)) . d` in `f64`, in units of its permanent: seven roundings a term, and a surplus of 2,
 /// see [`NUMERATOR_FILTER`].
 pub const DENOMINATOR_FILTER: f64 = 9.0 * U64;
+
+/// Factor on a running error bound that pays for the bound's own roundings.
+///
+/// It is a sum of at most four products and quotients of numbers that are not negative, in at most eight operations: `(1 + v)^8 < 1 + 9v`. Less: a bound may
+/// be rounded to below the error.
+pub const RUNNING_BOUND: f64 = 1.0 + 16.0 * U64;
+
+/// Greatest error of a component of a plane's normal, in units of the largest component, for which `f64` is trusted; above, it is computed in
+/// integers. At 2^-40 a polygon a metre wide is placed to within 1e-12 m. Smaller: more integers; greater: more of the plane's neighbourhood is in doubt.
+pub const PLANE_TRUST: f64 = 1.0 / (1_u64 << 40) as f64;
+
+/// Greatest error of a constructed point, in units of its greatest coordinate, for which `f64` is trusted; above, its position is rounded from integers.
+/// As [`PLANE_TRUST`].
+pub const POSITION_TRUST: f64 = 1.0 / (1_u64 << 40) as f64;
 
 /// Least share of its permanent that the largest component of a triangle's normal must reach for `f64` to be trusted
 /// with its direction; below, it is computed in integers.
@@ -133,17 +147,53 @@ pub const BVH_PADDING: f32 = 64.0 * U32;
 /// Such rays are tested against every triangle.
 pub const BVH_FAR: f64 = 1e9;
 
-/// Displacement of a box's face that covers every error of the wide BSP's walk, in units of the greatest coordinate of the ray's
-/// origin plus that of the scene.
+/// Displacement of a box's face that covers every error of the wide BSP's walk, in units of the span `S`: the sum of the
+/// magnitudes of the origin's coordinates, plus the greatest coordinate of the tree: 8 u.
 ///
-/// TODO
-pub const WALK_ERROR: f32 = 32.0 * U32;
+/// Where the line crosses a face at `b` is computed as `b r + q`, with `r` = 1 / d rounded and `q = -o r - D |r|` where the ray enters (`+` where it
+/// leaves), `D` the displacement. Multiplied by `d`, the errors are those of `r`, u |b - o|; of the product `b r`, u |b|; of `o r`, of
+/// the sum and of `D |r|`, u (2 |o| + 2 D); of the last sum, u (|b - o| + D), or fewer where products and sums are fused. With
+/// `|b| + |o| <= S`: 4 u S. A component of the direction below [`LEAST_RATE`] is taken for that, which moves the line
+/// by at most u S within the tree. A hit counts by its rounded `t`, which may lie u |t| from the true one: along each
+/// axis again u S. Together 6 u S, and 2 u for the rounding of `S` and of `D`. Smaller, and rays along faces are lost.
+pub const WALK_ERROR: f32 = 8.0 * U32;
+
+/// Sums of the magnitudes of a direction's components with which the wide BSP's walk stays in the range of `f32`. Other directions
+/// are scaled by a power of two first.
+pub const WALK_LENGTHS: std::ops::RangeInclusive<f32> = 1e-6..=1e6;
+
+/// Least magnitude of a direction's component in the wide BSP's walk: u times the least that the largest component can be by
+/// [`WALK_LENGTHS`]. Its inverse times the largest coordinate of the walk is 5e31.
+pub const LEAST_RATE: f32 = 1e-6 / 3.0 * U32;
+
+/// Greatest span of the wide BSP's walk; rays from further off are tested against every triangle. It is the importers'
+/// [`COORDINATE_LIMIT`], twice.
+pub const WALK_FARTHEST: f32 = 2.0 * COORDINATE_LIMIT;
+
+/// Error of a polygon's cut at up to six planes, along each axis, in units of the greatest difference between coordinates of its
+/// triangle: 5 u for each cut, in `p + (q - p) f`: one each for the difference, the product and the three operations of `f`.
+pub const CUT_ERROR_BY_SIZE: f32 = 32.0 * U32;
+
+/// Further error of such cuts, in units of the greatest coordinate: u for the sum of each cut.
+pub const CUT_ERROR_BY_PLACE: f32 = 8.0 * U32;
 
 /// Distance, in the same units, beyond which a ray's origin makes the tree above the instances visit them all.
 ///
 /// A ray taken to an instance's object space is rounded there, and so passes the instance beside its world-space line by
 /// a multiple of u times this distance; [`instance_margin`] covers it up to here.
 pub const INSTANCE_FAR: f64 = 64.0;
+
+/// Height above a plane that covers the roundings of a ray's walk through the polygon BSP, in units of the sum of the coordinates of `o - a` and of `t d`,
+/// beside the error of the plane's normal: 16 v.
+///
+/// `n . (o - a) + t n . d` in `f64`, the greatest component of `n` being 1: each term of the products has the rounding of the difference `o - a`, of
+/// the product and of two sums, 4v; the time at which the height leaves the margin has a difference and a quotient, which move the height by 2v of its parts; the height at a
+/// given time a product and a sum: 2v. Together 8v at most; the rest is for the roundings of the margin itself. Smaller: hits in planes are lost.
+pub const WALK_MARGIN: f64 = 16.0 * U64;
+
+/// Greatest difference between a polygon's area and those of its fragments, in units of its area and of its longest edge times its greatest
+/// coordinate. The coordinates of cut corners are rounded by [`POSITION_TRUST`] of the greatest at most, and so is a strip along each cut; 64 cuts are covered.
+pub const TILING_AREA: f64 = 64.0 * POSITION_TRUST;
 
 /// How far the object-space form of a ray passes beside its world-space line, at most, in world units.
 ///

@@ -1,6 +1,7 @@
 //! Trees of polygons split by planes, the lecture's "BSP Trees".
 
 mod options;
+pub mod polygon;
 pub(super) mod wide;
 
 pub use options::{BspOrder, BspQuality, BuildOptions};

@@ -89,11 +89,11 @@ pub fn depth(ray: &Ray, triangle: &Triangle) -> Option<(f64, f64)> {
     let denominator = normal.dot(direction);
     let numerator_error = NUMERATOR_FILTER * permanent.dot(to_plane.abs());
     let denominator_error = DENOMINATOR_FILTER * permanent.dot(direction.abs());
-    // n/d and n'/d' differ by (|n - n'| + |n/d| |d - d'|) / |d'| at most.
-    let least_denominator = denominator.abs() - denominator_error;
-    if least_denominator > 0.0 {
-        let t = numerator / denominator;
-        let radius = (numerator_error + t.abs() * denominator_error) / least_denominator;
+    // n/d and n'/d' differ by (|n - n'| + |n/d| |d - d'|) / |d'| at most, and |d'| is at least half of |d|.
+    if denominator_error < 0.5 * denominator.abs() {
+        let inverse = 1.0 / denominator;
+        let t = numerator * inverse;
+        let radius = 2.0 * (numerator_error + t.abs() * denominator_error) * inverse.abs();
         Some((t - radius, t + radius))
     } else {
         None

@@ -5,7 +5,7 @@
 //! threefold products below 2^128, where `dashu-int` does not allocate. (Over the fixed power 2^-149, which would do as
 //! well, they would have 150 to 277 bits and products of 830.)
 //!
-//! This file, `depth.rs` and `mod.rs` beside it are the only ones that name `dashu-int`.
+//! This file, `depth.rs`, `homogeneous.rs` and `mod.rs` beside it are the only ones that name `dashu-int`.
 
 use dashu_int::IBig;
 use glam::Vec3;
@@ -76,6 +76,23 @@ impl Vector {
     pub(super) fn dot(&self, other: &Self) -> IBig {
         let [a, b] = [&self.0, &other.0];
         &a[0] * &b[0] + &a[1] * &b[1] + &a[2] * &b[2]
+    }
+
+    pub(super) const fn new(components: [IBig; 3]) -> Self {
+        Self(components)
+    }
+
+    pub(super) fn plus(&self, other: &Self) -> Self {
+        let [a, b] = [&self.0, &other.0];
+        Self([&a[0] + &b[0], &a[1] + &b[1], &a[2] + &b[2]])
+    }
+
+    pub(super) fn scaled(&self, by: &IBig) -> Self {
+        Self(self.0.each_ref().map(|x| x * by))
+    }
+
+    pub(super) fn into_components(self) -> [IBig; 3] {
+        self.0
     }
 
     pub(super) fn is_zero(&self) -> bool {

@@ -19,6 +19,11 @@
 //! a line through a closed mesh cannot slip between two triangles, and since the definition asks for no
 //! arithmetic, all that follow it agree bit for bit.
 //!
+//! # Planes and constructed points
+//!
+//! [`ExactPlane`] and [`Point`] are for those who cut polygons by planes: on which side of a plane does the point lie in which
+//! three others meet?
+//!
 //! # Filtered and unfiltered
 //!
 //! [`edge_signs`], [`depth()`], [`intersect`] and [`hits`] are the judge: integers only (`dashu-int`), which costs
@@ -37,9 +42,14 @@
 //! assert!(!exact::hits(&below, &triangle));
 //! ```
 
+mod bounded;
 mod depth;
 pub mod filter;
+mod homogeneous;
+mod indirect;
 mod integer;
+mod orient;
+mod plane;
 
 use std::cmp::Ordering;
 
@@ -48,7 +58,10 @@ use glam::{DVec3, Vec3};
 
 use super::{Ray, Triangle};
 pub use depth::Depth;
+pub use indirect::{Point, Position};
 use integer::{lift, sign};
+pub use orient::side_of_point;
+pub use plane::ExactPlane;
 
 /// The sign of a number, with zero as a value of its own.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -68,6 +81,25 @@ impl Sign {
             Ordering::Less => Self::Negative,
             Ordering::Equal => Self::Zero,
             Ordering::Greater => Self::Positive,
+        }
+    }
+
+    /// The sign of the number's negative.
+    #[must_use]
+    pub const fn flipped(self) -> Self {
+        match self {
+            Self::Negative => Self::Positive,
+            Self::Zero => Self::Zero,
+            Self::Positive => Self::Negative,
+        }
+    }
+
+    /// The sign of the product.
+    const fn times(self, other: Self) -> Self {
+        match other {
+            Self::Negative => self.flipped(),
+            Self::Zero => Self::Zero,
+            Self::Positive => self,
         }
     }
 }

@@ -29,10 +29,26 @@ pub(super) struct Plan {
     pub(super) allowance: f32,
 }
 
+impl Plan {
+    /// For placed sets, of which each has a tree of its own: one to a leaf, and none is split.
+    pub(super) const OF_PLACEMENTS: Self = Self {
+        costs: Costs {
+            step: 1.0,
+            leaf: 0.4,
+            block: 0.0,
+            triangle: 10.0,
+        },
+        bins: [16, 16],
+        allowance: 0.0,
+    };
+}
+
 /// A node of the binary tree.
 pub(super) struct Cell {
     pub(super) extent: Extent,
     pub(super) content: Content,
+    /// About the area of its fragments.
+    pub(super) surface: f32,
     /// What it costs to have it as one to eight roots.
     pub(super) roots: Roots,
     /// The triangles of all its fragments, in order, if they fill one block at most.
@@ -98,8 +114,6 @@ impl Members {
 pub(super) struct Builder<'a> {
     /// The triangles in the tree's space.
     pub(super) corners: &'a [[Vec4; 3]],
-    /// Bound on the rounding of a cut, see [`Fragment::split`].
-    pub(super) slack: f32,
     pub(super) plan: Plan,
 }
 
@@ -111,7 +125,11 @@ impl Builder<'_> {
             corners.iter().for_each(|&p| extent.grow_point(p));
             Fragment::new(extent, number as u32)
         };
-        let fragments: Vec<Fragment> = self.corners.iter().enumerate().map(whole).collect();
+        self.build_over(self.corners.iter().enumerate().map(whole).collect())
+    }
+
+    /// The tree over these fragments.
+    pub(super) fn build_over(&self, fragments: Vec<Fragment>) -> Cell {
         let allowance = (fragments.len() as f32 * self.plan.allowance) as usize;
         self.divide(fragments, allowance, 0)
     }
@@ -124,7 +142,7 @@ impl Builder<'_> {
         }
         let count = fragments.len();
         if count <= 1 {
-            return Cell::leaf(extent, &fragments, &self.plan.costs);
+            return self.leaf(extent, &fragments);
         }
         let bins = self.plan.bins[usize::from(count <= 64)].min(MOST_BINS);
         let choice = (level < MOST_LEVELS)
@@ -143,7 +161,7 @@ impl Builder<'_> {
             let whole = self.plan.costs.leaf(count);
             let pays = choice.is_some_and(|c| c.cost < whole);
             if !pays {
-                return Cell::leaf(extent, &fragments, &self.plan.costs);
+                return self.leaf(extent, &fragments);
             }
         }
         let halves = choice
@@ -170,6 +188,35 @@ impl Builder<'_> {
             )
         };
         Cell::inner(extent, [a, b], &self.plan.costs)
+    }
+
+    fn leaf(&self, extent: Extent, fragments: &[Fragment]) -> Cell {
+        let members = Members::of(fragments);
+        Cell {
+            surface: fragments.iter().map(|f| self.surface(f)).sum(),
+            content: Content::Leaf,
+            roots: Roots::of_leaf(&extent, &members, &self.plan.costs),
+            members,
+            extent,
+        }
+    }
+
+    /// About the area of a fragment: its triangle's share, by the areas of their extents.
+    fn surface(&self, fragment: &Fragment) -> f32 {
+        let Some(&[a, b, c]) = self.corners.get(fragment.triangle() as usize) else {
+            return 0.0;
+        };
+        let whole = Extent {
+            min: a.min(b).min(c),
+            max: a.max(b).max(c),
+        };
+        let share = fragment.extent().half_area() / whole.half_area();
+        let [u, v] = [b - a, c - a].map(Vec4::truncate);
+        if share.is_finite() {
+            0.5 * u.cross(v).length() * share
+        } else {
+            0.0
+        }
     }
 
     /// The fragments below and above the plane; `None` if it does not divide them after all.
@@ -210,7 +257,7 @@ impl Builder<'_> {
                             continue;
                         }
                         let corners = &self.corners[fragment.triangle() as usize];
-                        let [a, b] = fragment.split(corners, axis, position, self.slack);
+                        let [a, b] = fragment.split(corners, axis, position);
                         left -= usize::from(a.is_some() && b.is_some());
                         below.extend(a);
                         above.extend(b);
@@ -253,21 +300,12 @@ impl Builder<'_> {
 }
 
 impl Cell {
-    fn leaf(extent: Extent, fragments: &[Fragment], costs: &Costs) -> Self {
-        let members = Members::of(fragments);
-        Self {
-            extent,
-            content: Content::Leaf,
-            roots: Roots::of_leaf(&extent, &members, costs),
-            members,
-        }
-    }
-
     fn inner(extent: Extent, halves: [Self; 2], costs: &Costs) -> Self {
         let members = Members::union(&halves[0].members, &halves[1].members);
         let roots = Roots::of_halves(&extent, &halves, &members, costs);
         Self {
             extent,
+            surface: halves[0].surface + halves[1].surface,
             content: Content::Inner(Box::new(halves)),
             roots,
             members,

@@ -8,7 +8,6 @@ use super::fragment::Extent;
 use super::node::{Node, WIDTH, Word};
 use super::plane::Costs;
 use super::store::Store;
-use crate::accel::bake::NamedTriangle;
 
 /// What a wide node costs, in the unit of [`Costs`]: the test of its eight children.
 const NODE: f32 = 1.0;
@@ -59,6 +58,17 @@ impl Roots {
     }
 }
 
+impl Cell {
+    /// How much a search for any hit gains by looking here: the chance that a ray through the cell hits something, over what looking costs.
+    ///
+    /// The chance is that of surfaces strewn about: a ray through a convex body passes on average as many surfaces as
+    /// they have area in units of half the body's own.
+    fn promise(&self) -> f32 {
+        let area = self.extent.half_area();
+        (1.0 - libm::expf(-self.surface / area)) * area / self.roots.cost[0]
+    }
+}
+
 /// The cells that become the roots of `cell`, at most `roots` many.
 #[allow(
     clippy::float_cmp,
@@ -91,23 +101,25 @@ fn roots<'a>(cell: &'a Cell, roots_left: usize, is_top: bool, found: &mut Vec<&'
     roots(&halves[1], count - best, false, found);
 }
 
-/// Writes the tree; the word for its root, and its levels.
-pub(super) fn write(cell: &Cell, triangles: &[NamedTriangle], store: &mut Store) -> (Word, u32) {
+/// Writes the tree, its leaves by `leaf`; the word for its root, and its levels.
+pub(super) fn write(
+    cell: &Cell,
+    leaf: &impl Fn(&[u32], &mut Store) -> Word,
+    store: &mut Store,
+) -> (Word, u32) {
     if cell.roots.is_leaf
         && let Some(members) = cell.members.get()
     {
-        return (
-            store.push_leaf(members, |n| triangles[n as usize].triangle),
-            1,
-        );
+        return (leaf(members, store), 1);
     }
     let mut children = Vec::with_capacity(WIDTH);
     roots(cell, WIDTH, true, &mut children);
+    children.sort_by(|a, b| a.promise().total_cmp(&b.promise()));
     let index = store.reserve_node();
     let mut node = Node::EMPTY;
     let mut levels = 0;
     for (lane, child) in children.into_iter().enumerate() {
-        let (word, below) = write(child, triangles, store);
+        let (word, below) = write(child, leaf, store);
         node.set(lane, &child.extent, word);
         levels = levels.max(below);
     }

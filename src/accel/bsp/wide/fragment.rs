@@ -5,6 +5,8 @@
 
 use glam::Vec4;
 
+use crate::geometry::tolerance::{CUT_ERROR_BY_PLACE, CUT_ERROR_BY_SIZE};
+
 /// An extent: the least and greatest coordinates of a point cluster. The fourth lanes mean nothing.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Extent {
@@ -78,19 +80,18 @@ impl Fragment {
     /// The two parts on either side of the plane where the coordinate `axis` is `position`: below, then above. A side that it
     /// only touches may be `None`, never both.
     ///
-    /// Every point of the triangle within the fragment's extent lies, to within `slack`, in one of the parts' extents.
+    /// Every point of the triangle within the fragment's extent lies in one of the parts' extents.
     pub(super) fn split(
         &self,
         corners: &[Vec4; 3],
         axis: usize,
         position: f32,
-        slack: f32,
     ) -> [Option<Self>; 2] {
         let [mut below, mut above] = [self.extent(); 2];
         below.max[axis] = position;
         above.min[axis] = position;
         let parts = [below, above]
-            .map(|side| clipped(corners, &side, slack).map(|e| Self::new(e, self.triangle())));
+            .map(|side| clipped(corners, &side).map(|e| Self::new(e, self.triangle())));
         if parts[0].is_none() && parts[1].is_none() {
             // Rounding lost it: keep it whole.
             return [Some(*self), None];
@@ -101,10 +102,14 @@ impl Fragment {
 
 /// The extent of the part of a triangle within `cell`, at most `cell` itself.
 ///
-/// Each cut moves points by rounding, by far less than `slack`; so the cell is widened by it before cutting, and the result
-/// after, and no point of the true part is further outside than that.
-fn clipped(corners: &[Vec4; 3], cell: &Extent, slack: f32) -> Option<Extent> {
-    let slack = Vec4::splat(slack);
+/// Cuts move points by rounding; so the cell is widened by as much before cutting, and the result after, and every point of the
+/// true part is inside.
+fn clipped(corners: &[Vec4; 3], cell: &Extent) -> Option<Extent> {
+    let [a, b, c] = *corners;
+    let size = (a.max(b).max(c) - a.min(b).min(c)).truncate().max_element();
+    let place = a.abs().max(b.abs()).max(c.abs()).truncate().max_element();
+    let slack =
+        Vec4::splat(CUT_ERROR_BY_SIZE * size + CUT_ERROR_BY_PLACE * place + f32::MIN_POSITIVE);
     let (low, high) = (cell.min - slack, cell.max + slack);
     let mut polygon = [Vec4::ZERO; 10];
     polygon[..3].copy_from_slice(corners);
@@ -165,14 +170,17 @@ mod tests {
             Vec4::new(0.0, 2.0, 1.0, 0.0),
         ];
         let whole = fragment(&corners);
-        let [below, above] = whole.split(&corners, 0, 3.0, 1e-6).map(Option::unwrap);
+        let [below, above] = whole.split(&corners, 0, 3.0).map(Option::unwrap);
         assert_eq!((below.triangle(), above.triangle()), (7, 7));
         assert_eq!((below.max.x, above.min.x), (3.0, 3.0));
-        assert!((above.max.y - 0.5).abs() < 1e-5 && (above.max.z - 0.25).abs() < 1e-5);
+        // Widened before and after the cut.
+        let slack = 4.0 * (CUT_ERROR_BY_SIZE + CUT_ERROR_BY_PLACE);
+        let is_close = |x: f32, truth: f32| truth <= x && x - truth <= 2.0 * slack;
+        assert!(is_close(above.max.y, 0.5) && is_close(above.max.z, 0.25));
         assert_eq!(below.max.y, 2.0);
-        let [left, right] = above.split(&corners, 1, 0.25, 1e-6).map(Option::unwrap);
+        let [left, right] = above.split(&corners, 1, 0.25).map(Option::unwrap);
         assert_eq!((left.min.x, left.max.x), (3.0, 4.0));
-        assert!((right.max.x - 3.5).abs() < 1e-5);
+        assert!((right.max.x - 3.5).abs() <= 4.0 * slack);
     }
 
     #[test]
@@ -185,7 +193,7 @@ mod tests {
         let mut high = fragment(&corners);
         high.max.x = 3.0;
         high.max.y = 3.0;
-        let parts = high.split(&corners, 0, 2.0, 1e-6);
+        let parts = high.split(&corners, 0, 2.0);
         assert!(parts[0].is_some() && parts[1].is_none());
     }
 }

@@ -15,7 +15,10 @@ mod node;
 mod plane;
 mod simd;
 mod store;
+mod top;
 mod walk;
+
+pub(in crate::accel) use top::WideTop;
 
 use glam::Vec4;
 
@@ -28,7 +31,7 @@ use crate::geometry::{Ray, RayFrame};
 use build::{Builder, Plan};
 use node::Word;
 use plane::Costs;
-use simd::{Instructions, Occluded, Tree};
+use simd::{Instructions, MOST_DEPTH, Occluded, Tree};
 use store::Store;
 use walk::Reach;
 
@@ -168,12 +171,15 @@ impl WideSet {
             .fold(0.0_f32, |most, p| most.max(p.abs().max_element()));
         let builder = Builder {
             corners: &corners,
-            slack: 16.0 * crate::geometry::tolerance::U32 * largest,
             plan: plan(quality),
         };
         let tree = builder.build();
+        let leaf = |members: &[u32], store: &mut Store| {
+            store.push_leaf(members, |n| triangles[n as usize].triangle)
+        };
         let mut store = Store::default();
-        let (root, depth) = collapse::write(&tree, &triangles, &mut store);
+        let (root, depth) = collapse::write(&tree, &leaf, &mut store);
+        assert!(depth <= MOST_DEPTH, "the build bounds the depth");
         store.finish();
         Self {
             store,
@@ -259,5 +265,148 @@ impl TraceSet for WideSet {
             bytes: (self.store.bytes() + size_of_val(&*self.names.instances)) as u64,
             ..BuildStats::default()
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::accel::bake;
+    use crate::accel::counters::Uncounted;
+    use crate::geometry::Interval;
+    use crate::scene::{Instance, Part, Scene, TriangleMesh};
+    use glam::{DAffine3, Vec3};
+
+    /// Numbers in -1..1 from a seed (SplitMix64).
+    struct Numbers(u64);
+
+    impl Numbers {
+        fn next(&mut self) -> f32 {
+            self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+            let mut z = self.0;
+            z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+            z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+            ((z ^ (z >> 31)) >> 40) as f32 / (1 << 23) as f32 - 1.0
+        }
+
+        fn point(&mut self) -> Vec3 {
+            Vec3::new(self.next(), self.next(), self.next())
+        }
+    }
+
+    /// Small triangles, needles through the whole, and a floor whose corners lie on a grid.
+    fn scene() -> Scene {
+        let mut numbers = Numbers(7);
+        let mut positions = Vec::new();
+        for _ in 0..4500 {
+            let middle = numbers.point();
+            positions.extend([0; 3].map(|_| middle + 0.1 * numbers.point()));
+        }
+        for _ in 0..100 {
+            let (a, b) = (numbers.point(), numbers.point());
+            positions.extend([a, b, b + 1e-4 * numbers.point()]);
+        }
+        for cell in 0..64 {
+            let corner = Vec3::new((cell % 8) as f32, 0.0, (cell / 8) as f32) * 0.25 - Vec3::ONE;
+            positions.extend([corner, corner + 0.25 * Vec3::X, corner + 0.25 * Vec3::Z]);
+        }
+        let count = positions.len() as u32 / 3;
+        let mesh = TriangleMesh {
+            positions,
+            triangles: (0..count).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect(),
+            parts: vec![Part {
+                first_triangle: 0,
+                triangle_count: count,
+                material: 0,
+            }],
+            ..TriangleMesh::default()
+        };
+        let instance = Instance::new("soup", 0, DAffine3::IDENTITY);
+        Scene {
+            meshes: vec![mesh],
+            instances: vec![instance],
+            ..Scene::default()
+        }
+    }
+
+    fn set(quality: BspQuality) -> WideSet {
+        let mut sets = bake::bake(&scene()).sets;
+        WideSet::build(sets.remove(0), quality)
+    }
+
+    /// From near and far, along axes and grid lines, of all lengths, and within bounds.
+    fn rays() -> Vec<Ray> {
+        let mut numbers = Numbers(11);
+        (0..6000)
+            .map(|i| {
+                let on_grid = |v: Vec3| (v * 8.0).round() / 8.0;
+                let (mut from, mut to) = (2.0 * numbers.point(), numbers.point());
+                if i % 3 == 0 {
+                    (from, to) = (on_grid(from), on_grid(to));
+                }
+                if i % 5 == 0 {
+                    from *= 1000.0;
+                }
+                let scale = [1.0, 1e-9, 3e8, 1e-3][i % 4];
+                let mut ray = Ray::new(from, (to - from) * scale);
+                if i % 7 == 0 {
+                    let t = numbers.next().abs() / scale;
+                    ray = ray.within(Interval::new(0.1 * t, t));
+                }
+                ray
+            })
+            .collect()
+    }
+
+    #[test]
+    fn every_set_of_instructions_gives_the_answer_of_testing_everything() {
+        let rays = rays();
+        for quality in BspQuality::ALL {
+            let mut tree = set(quality);
+            let mut hits = 0;
+            for ray in &rays {
+                let mut nearest = Nearest::of(ray);
+                if ray.is_traceable() {
+                    tree.test_everything(ray, None, &mut nearest, &mut Uncounted);
+                }
+                let truth = nearest.hit();
+                hits += usize::from(truth.is_some());
+                for instructions in Instructions::available() {
+                    tree.instructions = instructions;
+                    let found = tree.closest_alone(ray, &mut Uncounted);
+                    assert_eq!(found, truth, "{instructions:?} {quality} {ray:?}");
+                    let any = tree.any_alone(ray, &mut Uncounted);
+                    assert_eq!(any, truth.is_some(), "{instructions:?} {quality} {ray:?}");
+                }
+            }
+            assert!(hits > rays.len() / 3, "{hits} hits");
+        }
+    }
+
+    #[test]
+    fn the_tree_is_the_same_for_any_number_of_threads() {
+        let build = |threads| {
+            let pool = rayon::ThreadPoolBuilder::new()
+                .num_threads(threads)
+                .build()
+                .unwrap();
+            pool.install(|| set(BspQuality::Default))
+        };
+        let (one, four) = (build(1), build(4));
+        assert_eq!(one.store.words, four.store.words);
+        assert_eq!(one.store.nodes.len(), four.store.nodes.len());
+        for (a, b) in one.store.nodes.iter().zip(&four.store.nodes) {
+            assert_eq!((a.bounds, a.children), (b.bounds, b.children));
+        }
+    }
+
+    #[test]
+    fn fragments_stay_within_their_allowance() {
+        let triangles = set(BspQuality::Fast).names.count as usize;
+        let members = |quality| set(quality).store.all_triangles().count();
+        assert_eq!(members(BspQuality::Fast), triangles);
+        let default = members(BspQuality::Default);
+        assert!(triangles < default && default <= 2 * triangles, "{default}");
+        assert!(members(BspQuality::Best) <= 3 * triangles);
     }
 }

@@ -48,13 +48,19 @@ pub(super) const MOST_BLOCKS: usize = 4;
 
 impl Word {
     const LEAF: u32 = 1 << 31;
+    /// Nodes are counted in units of so many bytes, since a shift is faster than a product.
+    const UNIT: usize = 32;
+    const NODE_UNITS: u32 = (size_of::<Node>() / Self::UNIT) as u32;
+    /// Greatest index of a node.
+    pub(super) const MOST_NODES: u32 = (Self::LEAF - 1) / Self::NODE_UNITS;
     const BLOCKS: u32 = 29;
     const COUNT: u32 = 26;
     /// Greatest place of a block.
     pub(super) const MOST_PLACE: usize = (1 << Self::COUNT) - 1;
 
     pub(super) fn node(index: u32) -> Self {
-        Self(index)
+        debug_assert!(index <= Self::MOST_NODES);
+        Self(index * Self::NODE_UNITS)
     }
 
     /// A leaf of so many triangles, at least one.
@@ -74,10 +80,10 @@ impl Word {
         self.0 & Self::LEAF != 0
     }
 
-    /// The index of a node.
+    /// How many bytes before a node there are others.
     #[inline(always)]
-    pub(super) fn index(self) -> usize {
-        self.0 as usize
+    pub(super) fn offset(self) -> usize {
+        self.0 as usize * Self::UNIT
     }
 
     /// Where a leaf's blocks begin, in units of [`LINE`](super::store::LINE) words.

@@ -82,11 +82,32 @@ impl Store {
         leaf
     }
 
+    /// Appends a leaf of these numbers alone.
+    pub(super) fn push_numbers(&mut self, numbers: &[u32]) -> Word {
+        self.words
+            .resize(self.words.len().next_multiple_of(LINE), 0);
+        let leaf = Word::leaf(self.words.len() / LINE, numbers.len());
+        self.words.extend_from_slice(numbers);
+        leaf
+    }
+
+    /// The numbers of such a leaf.
+    pub(super) fn numbers(&self, leaf: Word) -> &[u32] {
+        let count = leaf.full_blocks() * WIDTH + leaf.last_count();
+        &self.words[leaf.place() * LINE..][..count]
+    }
+
     /// Ends the blocks with as much as eight lanes may read too far.
     pub(super) fn finish(&mut self) {
         self.words.extend([0; WIDTH]);
         self.words.shrink_to_fit();
         self.nodes.shrink_to_fit();
+    }
+
+    /// The node that a word names.
+    #[inline(always)]
+    pub(super) fn node(&self, word: Word) -> *const Node {
+        self.nodes.as_ptr().wrapping_byte_add(word.offset())
     }
 
     /// Where a leaf's first block begins.

@@ -1,33 +1,31 @@
 //! A ray made ready to walk the tree.
 //!
 //! Where a ray crosses the plane of a box's face is computed as `b * r + q` with `r = 1 / d` and `q = -o * r`. All errors on the way, seen as
-//! a displacement of the face, are at most [`WALK_ERROR`] times the greatest coordinate of origin and scene together; so `q` is lowered by
-//! as much for the faces where the ray enters, and raised for those where it leaves, and no ray is lost, from however far it comes.
+//! a displacement of the face, are at most [`WALK_ERROR`] times the span of origin and tree; so `q` is lowered by as much for the
+//! faces where the ray enters, and raised for those where it leaves, and no ray is lost, from however far it comes.
 
-use glam::Vec3A;
+use glam::Vec3;
 
-use crate::geometry::tolerance::{SHEAR_ERROR, U32, WALK_ERROR};
-use crate::geometry::{Ray, RayFrame};
+use crate::geometry::Ray;
+use crate::geometry::tolerance::{SHEAR_ERROR, WALK_ERROR, WALK_FARTHEST, WALK_LENGTHS};
 
 /// A ray ready to walk.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct WalkRay {
-    /// One over the direction.
-    pub(super) inverse: Vec3A,
-    /// Added for faces where the ray enters, and where it leaves.
-    pub(super) enter: Vec3A,
-    pub(super) leave: Vec3A,
-    /// A bit for each component of the direction that is negative.
-    pub(super) negative: usize,
-    /// The direction's length was divided by this power of two.
+    pub(super) origin: Vec3,
+    pub(super) direction: Vec3,
+    /// By how much faces are displaced.
+    pub(super) displacement: f32,
+    /// The direction was divided by this power of two.
     pub(super) per_t: f32,
-    /// Greatest coordinate of the ray's origin plus that of the scene.
+    /// Not less than the magnitude of any difference between a point of the tree and the origin, along each axis.
     pub(super) span: f32,
 }
 
-/// What the test in lanes needs of the ray's frame.
+/// What the test of triangles in lanes needs of a ray: its frame, after Woop, Benthin and Wald (see [`RayFrame`](crate::geometry::RayFrame)).
 #[derive(Clone, Copy, Debug)]
 pub(super) struct LaneRay {
+    /// The coordinates' indices, the direction's largest last.
     pub(super) axes: [usize; 3],
     /// In the order of `axes`.
     pub(super) origin: [f32; 3],
@@ -45,67 +43,57 @@ pub(super) struct Reach {
     pub(super) largest: f32,
 }
 
-/// Lengths of a direction's largest component with which the walk stays in range: inverses are below 1e6 * 2^24, and their products with
-/// coordinates up to [`FARTHEST`] below 2e31.
-const LENGTHS: std::ops::RangeInclusive<f32> = 1e-6..=1e6;
-
-/// Greatest coordinate, from which on everything is tested.
-const FARTHEST: f32 = 1e18;
-
 impl WalkRay {
     /// `None` for a ray that is not traceable, and for one from so far off, or of such a direction, that its walk leaves the range
     /// of `f32`: it must be tested against everything.
     #[inline(always)]
     pub(super) fn new(ray: &Ray, reach: Reach) -> Option<Self> {
-        let origin = Vec3A::from(ray.origin);
-        let mut direction = Vec3A::from(ray.direction);
-        let mut longest = direction.abs().max_element();
+        let mut direction = ray.direction;
         let mut per_t = 1.0;
-        if !LENGTHS.contains(&longest) {
-            (direction, per_t) = rescaled(direction, longest)?;
-            longest = direction.abs().max_element();
+        let sum = |v: Vec3| v.x.abs() + v.y.abs() + v.z.abs();
+        let span = sum(ray.origin) + reach.largest;
+        // What is not finite is in no range.
+        if !WALK_LENGTHS.contains(&sum(direction)) {
+            (direction, per_t) = rescaled(direction)?;
         }
-        let span = origin.abs().max_element() + reach.largest;
-        let displacement = Vec3A::splat(WALK_ERROR * span + f32::MIN_POSITIVE);
-        // A component of nearly nothing is taken for a little: over the whole span that is another displacement by 2u.
-        let least = Vec3A::splat(longest * U32);
-        let safe = direction.abs().max(least).copysign(direction);
-        let inverse = Vec3A::ONE / safe;
-        let middle = -origin * inverse;
-        let widen = inverse.abs() * displacement;
-        // Zero times what is not finite is not zero.
-        let is_finite = (origin * Vec3A::ZERO + direction * Vec3A::ZERO)
-            .cmpeq(Vec3A::ZERO)
-            .all();
-        (is_finite && span < FARTHEST && !ray.interval.is_empty()).then_some(Self {
-            inverse,
-            enter: middle - widen,
-            leave: middle + widen,
-            negative: direction.is_negative_bitmask() as usize,
+        (span < WALK_FARTHEST && ray.interval.min <= ray.interval.max).then_some(Self {
+            origin: ray.origin,
+            direction,
+            displacement: WALK_ERROR * span + f32::MIN_POSITIVE,
             per_t,
             span,
         })
     }
-
-    /// Its frame in the form for lanes.
-    #[inline(always)]
-    pub(super) fn lanes(&self, ray: &Ray, frame: &RayFrame) -> LaneRay {
-        let axes = frame.axes().unwrap_or([0, 1, 2]);
-        LaneRay {
-            axes,
-            origin: [
-                ray.origin[axes[0]],
-                ray.origin[axes[1]],
-                ray.origin[axes[2]],
-            ],
-            shear: frame.shear(),
-            rate: ray.direction[axes[2]],
-            error: SHEAR_ERROR * (self.span * 1.000_001) + f32::MIN_POSITIVE,
-        }
-    }
 }
 
+/// The order of coordinates with the given one last.
+const AXES: [[usize; 3]; 3] = [[1, 2, 0], [2, 0, 1], [0, 1, 2]];
+
 impl LaneRay {
+    /// The frame of a ray that walks.
+    #[inline(always)]
+    pub(super) fn new(ray: &Ray, walk: &WalkRay) -> Self {
+        let [x, y, z] = ray.direction.abs().to_array();
+        // The same choice as `RayFrame` makes, without branches; the axes keep their cyclic order.
+        let last = if x > y && x > z {
+            0
+        } else {
+            2 - usize::from(y > z)
+        };
+        let axes = AXES[last];
+        // As slices: `Vec3`'s own indexing branches.
+        let (origin, direction): (&[f32; 3], &[f32; 3]) =
+            (ray.origin.as_ref(), ray.direction.as_ref());
+        let rate = direction[axes[2]];
+        Self {
+            axes,
+            origin: [origin[axes[0]], origin[axes[1]], origin[axes[2]]],
+            shear: [direction[axes[0]] / rate, direction[axes[1]] / rate],
+            rate,
+            error: SHEAR_ERROR * (walk.span * 1.000_001) + f32::MIN_POSITIVE,
+        }
+    }
+
     /// Lengths along the frame's z at which an interval of `t` begins and ends.
     #[inline(always)]
     pub(super) fn ends(&self, min: f32, max: f32) -> [f32; 2] {
@@ -117,8 +105,9 @@ impl LaneRay {
 /// The direction divided by a power of two, so that its largest component is about 1, and that power.
 #[cold]
 #[inline(never)]
-fn rescaled(direction: Vec3A, longest: f32) -> Option<(Vec3A, f32)> {
-    if !(longest > 0.0 && longest.is_finite()) {
+fn rescaled(direction: Vec3) -> Option<(Vec3, f32)> {
+    let longest = direction.abs().max_element();
+    if !(direction.is_finite() && longest > 0.0) {
         return None;
     }
     let (_, exponent) = libm::frexpf(longest);

@@ -129,3 +129,17 @@ pub(super) unsafe fn closest<C: Counter>(
 pub(super) unsafe fn any<C: Counter>(tree: Tree<'_>, ray: &Ray, counter: &mut C) -> Occluded {
     single::any::<Lanes, C>(tree, ray, counter)
 }
+
+/// [`single::visit`] with these instructions.
+///
+/// # Safety
+/// The machine must have them.
+#[target_feature(enable = "avx2,fma,bmi1")]
+pub(super) unsafe fn visit<C: Counter>(
+    tree: Tree<'_>,
+    ray: &Ray,
+    counter: &mut C,
+    visit: &mut dyn FnMut(u32, &mut C) -> f32,
+) -> bool {
+    single::visit::<Lanes, C>(tree, ray, counter, visit)
+}

@@ -1,9 +1,9 @@
 //! What a set of instructions has to offer: eight lanes, and the two tests made of them.
 
-use super::super::node::Node;
+use super::super::node::{Node, WIDTH};
 use super::super::store::HEADER;
 use super::super::walk::{LaneRay, WalkRay};
-use crate::geometry::tolerance::{LANE_DEPTH_ERROR, PRODUCT_ERROR, SHEAR_ERROR};
+use crate::geometry::tolerance::{LANE_DEPTH_ERROR, LEAST_RATE, PRODUCT_ERROR, SHEAR_ERROR};
 
 /// Eight lanes of `f32`.
 ///
@@ -43,7 +43,7 @@ pub(super) struct NodeRay<L> {
     inverse: [L; 3],
     enter: [L; 3],
     leave: [L; 3],
-    /// Rows of a node's bounds where the ray enters, and where it leaves.
+    /// Rows of a node's bounds where the ray enters, and where it leaves: how many bytes come before them.
     near: [usize; 3],
     far: [usize; 3],
     first: L,
@@ -54,16 +54,24 @@ impl<L: Lanes> NodeRay<L> {
     /// As for [`Lanes`].
     #[inline(always)]
     pub(super) unsafe fn new(walk: &WalkRay, first: f32) -> Self {
-        let sign = |axis: usize| walk.negative >> axis & 1;
-        let near = [3 * sign(0), 1 + 3 * sign(1), 2 + 3 * sign(2)];
+        let (origin, direction) = (walk.origin, walk.direction);
+        let near = [
+            ROW * (3 * is_negative(direction.x)),
+            ROW * (1 + 3 * is_negative(direction.y)),
+            ROW * (2 + 3 * is_negative(direction.z)),
+        ];
         // SAFETY: the caller's promise.
         unsafe {
+            let displacement = L::splat(walk.displacement);
+            let x = Slope::new(origin.x, direction.x, displacement);
+            let y = Slope::new(origin.y, direction.y, displacement);
+            let z = Slope::new(origin.z, direction.z, displacement);
             Self {
-                inverse: splat3(walk.inverse.to_array()),
-                enter: splat3(walk.enter.to_array()),
-                leave: splat3(walk.leave.to_array()),
+                inverse: [x.inverse, y.inverse, z.inverse],
+                enter: [x.enter, y.enter, z.enter],
+                leave: [x.leave, y.leave, z.leave],
                 near,
-                far: [3 - near[0], 5 - near[1], 7 - near[2]],
+                far: [3 * ROW - near[0], 5 * ROW - near[1], 7 * ROW - near[2]],
                 first: L::splat(first),
             }
         }
@@ -106,6 +114,40 @@ impl<L: Lanes> NodeRay<L> {
     }
 }
 
+/// A ray's walk along one axis: `b * inverse + enter` is where it enters the half space beyond a face at `b`.
+#[derive(Clone, Copy)]
+struct Slope<L> {
+    inverse: L,
+    enter: L,
+    leave: L,
+}
+
+impl<L: Lanes> Slope<L> {
+    /// # Safety
+    /// As for [`Lanes`].
+    #[inline(always)]
+    unsafe fn new(origin: f32, direction: f32, displacement: L) -> Self {
+        // SAFETY: the caller's promise.
+        unsafe {
+            let (origin, direction) = (L::splat(origin), L::splat(direction));
+            let steepness = L::splat(1.0).div(direction.abs().max(L::splat(LEAST_RATE)));
+            let widen = steepness.mul(displacement);
+            let inverse = steepness.flipped_with(direction);
+            let middle = origin.mul(inverse);
+            Self {
+                inverse,
+                enter: L::splat(0.0).sub(middle.add(widen)),
+                leave: widen.sub(middle),
+            }
+        }
+    }
+}
+
+#[inline(always)]
+fn is_negative(x: f32) -> usize {
+    (x.to_bits() >> 31) as usize
+}
+
 /// # Safety
 /// As for [`Lanes`].
 #[inline(always)]
@@ -114,14 +156,17 @@ unsafe fn splat3<L: Lanes>(v: [f32; 3]) -> [L; 3] {
     unsafe { [L::splat(v[0]), L::splat(v[1]), L::splat(v[2])] }
 }
 
+/// Bytes of a row of a node's bounds.
+const ROW: usize = size_of::<[f32; WIDTH]>();
+
 /// A row of a node's bounds.
 ///
 /// # Safety
-/// As for [`Lanes`]; rows are below 6.
+/// As for [`Lanes`]; `offset` is that of a row.
 #[inline(always)]
-unsafe fn row<L: Lanes>(node: &Node, row: usize) -> L {
+unsafe fn row<L: Lanes>(node: &Node, offset: usize) -> L {
     // SAFETY: the caller's promise.
-    unsafe { L::load(node.bounds.get_unchecked(row).as_ptr()) }
+    unsafe { L::load(node.bounds.as_ptr().byte_add(offset).cast()) }
 }
 
 /// A ray in lanes, for the test of a block.
@@ -152,17 +197,17 @@ impl<L: Lanes> BlockRay<L> {
         }
     }
 
-    /// The corners whose coordinates stand in the three rows from `rows` on, in the frame of the ray.
+    /// The corners whose coordinates along the frame's axes stand at these places.
     ///
     /// # Safety
-    /// As for [`Lanes`]; there are three rows of `count` floats, and eight floats may be read from the start of each.
+    /// As for [`Lanes`]; eight floats may be read from each place.
     #[inline(always)]
-    unsafe fn sheared(&self, rows: *const f32, count: usize) -> [L; 3] {
+    unsafe fn sheared(&self, x: *const f32, y: *const f32, z: *const f32) -> [L; 3] {
         // SAFETY: the caller's promise.
         unsafe {
-            let z = L::load(rows.add(self.axes[2] * count)).sub(self.origin[2]);
-            let x = L::load(rows.add(self.axes[0] * count)).sub(self.origin[0]);
-            let y = L::load(rows.add(self.axes[1] * count)).sub(self.origin[1]);
+            let z = L::load(z).sub(self.origin[2]);
+            let x = L::load(x).sub(self.origin[0]);
+            let y = L::load(y).sub(self.origin[1]);
             [
                 self.shear[0].neg_mul_add(z, x),
                 self.shear[1].neg_mul_add(z, y),
@@ -189,9 +234,13 @@ impl<L: Lanes> BlockRay<L> {
         // SAFETY: the caller's promise; a store ends with eight words to spare.
         unsafe {
             let rows = block.add(HEADER);
-            let [ax, ay, az] = self.sheared(rows, count);
-            let [bx, by, bz] = self.sheared(rows.add(3 * count), count);
-            let [cx, cy, cz] = self.sheared(rows.add(6 * count), count);
+            let x = rows.add(self.axes[0] * count);
+            let y = rows.add(self.axes[1] * count);
+            let z = rows.add(self.axes[2] * count);
+            let (corner, next) = (3 * count, 6 * count);
+            let [ax, ay, az] = self.sheared(x, y, z);
+            let [bx, by, bz] = self.sheared(x.add(corner), y.add(corner), z.add(corner));
+            let [cx, cy, cz] = self.sheared(x.add(next), y.add(next), z.add(next));
             let u = cx.mul_sub(by, cy.mul(bx));
             let v = ax.mul_sub(cy, ay.mul(cx));
             let w = bx.mul_sub(ay, by.mul(ax));

@@ -10,6 +10,8 @@ mod kernel;
 mod portable;
 mod single;
 
+pub(super) use single::MOST_DEPTH;
+
 use crate::accel::counters::Counter;
 use crate::geometry::Ray;
 
@@ -140,4 +142,16 @@ pub(super) fn any<C: Counter>(
     counter: &mut C,
 ) -> Occluded {
     dispatch!(instructions, any(tree, ray, counter))
+}
+
+/// Calls `visit` with the numbers in the leaves that the ray meets, see [`Store::numbers`], within the limit of `t` that the last call
+/// returned. `false` if the ray is not for the walk.
+pub(super) fn visit<C: Counter>(
+    instructions: Instructions,
+    tree: Tree<'_>,
+    ray: &Ray,
+    counter: &mut C,
+    visit: &mut dyn FnMut(u32, &mut C) -> f32,
+) -> bool {
+    dispatch!(instructions, visit(tree, ray, counter, visit))
 }

@@ -2,13 +2,13 @@
 
 use std::mem::MaybeUninit;
 
-use super::super::node::{WIDTH, Word};
+use super::super::node::{Node, WIDTH, Word};
 use super::super::store::{FULL_BLOCK, HEADER};
-use super::super::walk::WalkRay;
+use super::super::walk::{LaneRay, WalkRay};
 use super::kernel::{BlockRay, Candidates, Lanes, NodeRay};
 use super::{Found, Occluded, Passed, Tree};
 use crate::accel::counters::Counter;
-use crate::geometry::{Ray, RayFrame, Triangle};
+use crate::geometry::{Ray, RayFrame, Triangle, depth};
 use glam::Vec3;
 
 /// Levels that a tree may have at most: the walk's stack is made for them.
@@ -22,6 +22,89 @@ const STACK: usize = 7 * MOST_DEPTH as usize + 8;
 struct Waiting {
     from: f32,
     child: Word,
+}
+
+/// The children that wait, of one node the nearest last.
+struct Stack {
+    waiting: [MaybeUninit<Waiting>; STACK],
+    height: usize,
+}
+
+impl Stack {
+    #[inline(always)]
+    fn new() -> Self {
+        Self {
+            waiting: [const { MaybeUninit::uninit() }; STACK],
+            height: 0,
+        }
+    }
+
+    /// The nearest of the children in `hit`; the others wait.
+    ///
+    /// # Safety
+    /// As for [`Lanes`]; `hit` is not zero; the stack is as high as the tree's depth allows.
+    #[inline(always)]
+    unsafe fn descend<L: Lanes>(&mut self, node: &Node, mut hit: u32, from: L) -> Word {
+        // SAFETY: lanes are below 8; the caller's promise; only what was written is read.
+        unsafe {
+            let first = hit.trailing_zeros() as usize;
+            hit &= hit - 1;
+            let child = |lane: usize| *node.children.get_unchecked(lane);
+            if hit == 0 {
+                return child(first);
+            }
+            let mut entries = [0.0; WIDTH];
+            from.store(&mut entries);
+            let entry = |lane: usize| Waiting {
+                from: *entries.get_unchecked(lane),
+                child: child(lane),
+            };
+            let second = hit.trailing_zeros() as usize;
+            hit &= hit - 1;
+            let (mut near, mut far) = (entry(first), entry(second));
+            if far.from < near.from {
+                (near, far) = (far, near);
+            }
+            let base = self.height;
+            self.waiting.get_unchecked_mut(base).write(far);
+            self.height += 1;
+            while hit != 0 {
+                let lane = hit.trailing_zeros() as usize;
+                hit &= hit - 1;
+                let mut next = entry(lane);
+                if next.from < near.from {
+                    (near, next) = (next, near);
+                }
+                let mut place = self.height;
+                while place > base
+                    && self.waiting.get_unchecked(place - 1).assume_init().from < next.from
+                {
+                    *self.waiting.get_unchecked_mut(place) = *self.waiting.get_unchecked(place - 1);
+                    place -= 1;
+                }
+                self.waiting.get_unchecked_mut(place).write(next);
+                self.height += 1;
+            }
+            near.child
+        }
+    }
+
+    /// The last that waits and is entered up to `last`.
+    ///
+    /// # Safety
+    /// What is below the height was written.
+    #[inline(always)]
+    unsafe fn pop(&mut self, last: f32) -> Option<Word> {
+        while self.height > 0 {
+            self.height -= 1;
+            // SAFETY: the caller's promise.
+            let waiting = unsafe { self.waiting.get_unchecked(self.height).assume_init() };
+            if waiting.from <= last {
+                return Some(waiting.child);
+            }
+        }
+        None
+    }
 }
 
 /// One triangle of a block, and its number.
@@ -59,9 +142,11 @@ const MOST_PENDING: usize = 8;
 ///
 /// Exact depths are dear, and of the triangles that a ray meets only the nearest matters. So those that are certainly met wait, and
 /// only their bounds take part in the search; mostly one is left at the end.
-struct Search {
-    frame: RayFrame,
+struct Search<'a> {
+    ray: &'a Ray,
     passed: Passed,
+    /// Lengths along the frame's z for one unit of `t`.
+    rate: f32,
     /// The nearest of those that are known exactly.
     found: Found,
     pending: [MaybeUninit<Pending>; MOST_PENDING],
@@ -70,7 +155,7 @@ struct Search {
     ends: [f32; 2],
 }
 
-impl Search {
+impl Search<'_> {
     /// Takes the candidates of a block.
     ///
     /// # Safety
@@ -150,7 +235,7 @@ impl Search {
                 let (triangle, number) = unsafe {
                     triangle(waiting.block, waiting.count as usize, waiting.lane as usize)
                 };
-                if let Some(t) = self.frame.intersect_met(&triangle) {
+                if let Some(t) = depth(self.ray, &triangle) {
                     self.offer(t, number);
                 }
             }
@@ -176,12 +261,13 @@ impl Search {
     #[cold]
     #[inline(never)]
     unsafe fn settle(&mut self, block: *const f32, count: usize, mut doubtful: u32) {
+        let frame = RayFrame::of_traceable(self.ray);
         while doubtful != 0 {
             let lane = doubtful.trailing_zeros() as usize;
             doubtful &= doubtful - 1;
             // SAFETY: the caller's promise.
             let (triangle, number) = unsafe { triangle(block, count, lane) };
-            if let Some(t) = self.frame.intersect(&triangle) {
+            if let Some(t) = frame.intersect(&triangle) {
                 self.offer(t, number);
             }
         }
@@ -194,7 +280,7 @@ impl Search {
             .is_some_and(|(least, end)| t <= least && number < end);
         if wins && !is_passed {
             self.found = Found { t, number };
-            let length = (t * self.frame.rate().abs()).next_up();
+            let length = (t * self.rate).next_up();
             self.ends[1] = self.ends[1].min(length);
         }
     }
@@ -213,37 +299,6 @@ impl Search {
     }
 }
 
-/// What a ray needs at leaves, which many rays never reach.
-struct AtLeaves<L> {
-    search: Search,
-    block_ray: BlockRay<L>,
-    /// From lengths along the frame's z to those of the walk, rounded up.
-    walk_per_length: f32,
-}
-
-impl<L: Lanes> AtLeaves<L> {
-    /// # Safety
-    /// As for [`Lanes`].
-    #[inline(always)]
-    unsafe fn new(ray: &Ray, walk: &WalkRay, passed: Passed) -> Self {
-        let frame = RayFrame::of_traceable(ray);
-        let lanes = walk.lanes(ray, &frame);
-        Self {
-            search: Search {
-                frame,
-                passed,
-                found: Found::NOTHING,
-                pending: [const { MaybeUninit::uninit() }; MOST_PENDING],
-                pending_count: 0,
-                ends: lanes.ends(ray.interval.min, ray.interval.max),
-            },
-            // SAFETY: the caller's promise.
-            block_ray: unsafe { BlockRay::new(&lanes) },
-            walk_per_length: walk.per_t / lanes.rate.abs() * (1.0 + 4.0 * f32::EPSILON),
-        }
-    }
-}
-
 /// The nearest hit, the least number first among equals.
 #[inline(always)]
 pub(super) fn closest<L: Lanes, C: Counter>(
@@ -256,10 +311,21 @@ pub(super) fn closest<L: Lanes, C: Counter>(
     let Some(walk) = WalkRay::new(ray, reach) else {
         return Found::UNUSUAL;
     };
-    let mut at_leaves: Option<AtLeaves<L>> = None;
+    let lane_ray = LaneRay::new(ray, &walk);
+    let rate = lane_ray.rate.abs();
+    let mut search = Search {
+        ray,
+        passed,
+        rate,
+        found: Found::NOTHING,
+        pending: [const { MaybeUninit::uninit() }; MOST_PENDING],
+        pending_count: 0,
+        ends: lane_ray.ends(ray.interval.min, ray.interval.max),
+    };
+    // From lengths along the frame's z to those of the walk, rounded up.
+    let walk_per_length = walk.per_t / rate * (1.0 + 4.0 * f32::EPSILON);
     let mut last = ray.interval.max * walk.per_t;
-    let mut stack = [const { MaybeUninit::<Waiting>::uninit() }; STACK];
-    let mut height = 0_usize;
+    let mut stack = Stack::new();
     let mut current = root;
     // SAFETY: the machine has the instructions, by the promise of whoever calls with these lanes; words of the tree name its nodes
     // and blocks; the stack is as high as the tree's depth allows, and read only where it was written.
@@ -269,13 +335,10 @@ pub(super) fn closest<L: Lanes, C: Counter>(
         loop {
             if current.is_leaf() {
                 counter.leaf();
-                let at = match &mut at_leaves {
-                    Some(at) => at,
-                    none => none.insert(AtLeaves::new(ray, &walk, passed)),
-                };
+                let block_ray = BlockRay::<L>::new(&lane_ray);
                 let mut block = store.block(current);
                 let mut full = current.full_blocks();
-                let before = at.search.ends[1];
+                let before = search.ends[1];
                 loop {
                     let count = if full == 0 {
                         current.last_count()
@@ -283,9 +346,9 @@ pub(super) fn closest<L: Lanes, C: Counter>(
                         WIDTH
                     };
                     counter.primitives(count);
-                    let candidates = at.block_ray.test(block, count, at.search.ends);
+                    let candidates = block_ray.test(block, count, search.ends);
                     if candidates.possible != 0 {
-                        at.search.take(block, count, candidates);
+                        search.take(block, count, candidates);
                     }
                     if full == 0 {
                         break;
@@ -293,71 +356,68 @@ pub(super) fn closest<L: Lanes, C: Counter>(
                     full -= 1;
                     block = block.add(FULL_BLOCK);
                 }
-                if at.search.ends[1] < before {
-                    last = at.search.ends[1] * at.walk_per_length;
+                if search.ends[1] < before {
+                    last = search.ends[1] * walk_per_length;
                     last_lanes = L::splat(last);
                 }
             } else {
                 counter.node();
-                let node = store.nodes.get_unchecked(current.index());
-                let (mut hit, from) = node_ray.test(node, last_lanes);
+                let node = &*store.node(current);
+                let (hit, from) = node_ray.test(node, last_lanes);
                 if hit != 0 {
-                    let first = hit.trailing_zeros() as usize;
-                    hit &= hit - 1;
-                    let child = |lane: usize| *node.children.get_unchecked(lane);
-                    if hit == 0 {
-                        current = child(first);
-                        continue;
-                    }
-                    let mut entries = [0.0; 8];
-                    from.store(&mut entries);
-                    let entry = |lane: usize| Waiting {
-                        from: *entries.get_unchecked(lane),
-                        child: child(lane),
-                    };
-                    let second = hit.trailing_zeros() as usize;
-                    hit &= hit - 1;
-                    let (mut near, mut far) = (entry(first), entry(second));
-                    if far.from < near.from {
-                        (near, far) = (far, near);
-                    }
-                    let base = height;
-                    stack.get_unchecked_mut(height).write(far);
-                    height += 1;
-                    while hit != 0 {
-                        let lane = hit.trailing_zeros() as usize;
-                        hit &= hit - 1;
-                        let mut next = entry(lane);
-                        if next.from < near.from {
-                            (near, next) = (next, near);
-                        }
-                        let mut place = height;
-                        while place > base
-                            && stack.get_unchecked(place - 1).assume_init().from < next.from
-                        {
-                            *stack.get_unchecked_mut(place) = *stack.get_unchecked(place - 1);
-                            place -= 1;
-                        }
-                        stack.get_unchecked_mut(place).write(next);
-                        height += 1;
-                    }
-                    current = near.child;
+                    current = stack.descend(node, hit, from);
                     continue;
                 }
             }
-            loop {
-                if height == 0 {
-                    return match &mut at_leaves {
-                        Some(at) => at.search.finish(),
-                        None => Found::NOTHING,
-                    };
+            match stack.pop(last) {
+                Some(next) => current = next,
+                None => return search.finish(),
+            }
+        }
+    }
+}
+
+/// Calls `visit` with the numbers in the leaves that the ray meets, within the limit of `t` that the last call returned. `false` if the ray is
+/// not for the walk.
+#[inline(always)]
+pub(super) fn visit<L: Lanes, C: Counter>(
+    tree: Tree<'_>,
+    ray: &Ray,
+    counter: &mut C,
+    visit: &mut dyn FnMut(u32, &mut C) -> f32,
+) -> bool {
+    let Tree { store, root, reach } = tree;
+    let Some(walk) = WalkRay::new(ray, reach) else {
+        return false;
+    };
+    let mut stack = Stack::new();
+    let mut current = root;
+    let mut last = ray.interval.max * walk.per_t;
+    // SAFETY: as in `closest`.
+    unsafe {
+        let node_ray = NodeRay::<L>::new(&walk, ray.interval.min * walk.per_t);
+        loop {
+            if current.is_leaf() {
+                counter.leaf();
+                for &number in store.numbers(current) {
+                    let limit = visit(number, counter);
+                    if limit < ray.interval.min {
+                        return true;
+                    }
+                    last = limit * walk.per_t;
                 }
-                height -= 1;
-                let waiting = stack.get_unchecked(height).assume_init();
-                if waiting.from <= last {
-                    current = waiting.child;
-                    break;
+            } else {
+                counter.node();
+                let node = &*store.node(current);
+                let (hit, from) = node_ray.test(node, L::splat(last));
+                if hit != 0 {
+                    current = stack.descend(node, hit, from);
+                    continue;
                 }
+            }
+            match stack.pop(last) {
+                Some(next) => current = next,
+                None => return true,
             }
         }
     }
@@ -368,12 +428,8 @@ pub(super) fn closest<L: Lanes, C: Counter>(
 /// # Safety
 /// `block` begins a block of `count` triangles.
 #[inline(never)]
-unsafe fn meets_any(
-    frame: &RayFrame,
-    block: *const f32,
-    count: usize,
-    mut candidates: u32,
-) -> bool {
+unsafe fn meets_any(ray: &Ray, block: *const f32, count: usize, mut candidates: u32) -> bool {
+    let frame = RayFrame::of_traceable(ray);
     while candidates != 0 {
         let lane = candidates.trailing_zeros() as usize;
         candidates &= candidates - 1;
@@ -393,7 +449,8 @@ pub(super) fn any<L: Lanes, C: Counter>(tree: Tree<'_>, ray: &Ray, counter: &mut
     let Some(walk) = WalkRay::new(ray, reach) else {
         return Occluded::Unusual;
     };
-    let mut at_leaves: Option<AtLeaves<L>> = None;
+    let lane_ray = LaneRay::new(ray, &walk);
+    let ends = lane_ray.ends(ray.interval.min, ray.interval.max);
     let mut stack = [const { MaybeUninit::<Word>::uninit() }; STACK];
     let mut height = 0_usize;
     let mut current = root;
@@ -405,10 +462,7 @@ pub(super) fn any<L: Lanes, C: Counter>(tree: Tree<'_>, ray: &Ray, counter: &mut
         loop {
             if current.is_leaf() {
                 counter.leaf();
-                let at = match &mut at_leaves {
-                    Some(at) => at,
-                    none => none.insert(AtLeaves::new(ray, &walk, None)),
-                };
+                let block_ray = BlockRay::<L>::new(&lane_ray);
                 let mut block = store.block(current);
                 let mut full = current.full_blocks();
                 loop {
@@ -418,10 +472,10 @@ pub(super) fn any<L: Lanes, C: Counter>(tree: Tree<'_>, ray: &Ray, counter: &mut
                         WIDTH
                     };
                     counter.primitives(count);
-                    let candidates = at.block_ray.test(block, count, at.search.ends);
+                    let candidates = block_ray.test(block, count, ends);
                     let hits = candidates.hit != 0
                         || (candidates.possible != 0
-                            && meets_any(&at.search.frame, block, count, candidates.possible));
+                            && meets_any(ray, block, count, candidates.possible));
                     if hits {
                         return Occluded::Yes;
                     }
@@ -433,18 +487,16 @@ pub(super) fn any<L: Lanes, C: Counter>(tree: Tree<'_>, ray: &Ray, counter: &mut
                 }
             } else {
                 counter.node();
-                let node = store.nodes.get_unchecked(current.index());
+                let node = &*store.node(current);
                 let (mut hit, _) = node_ray.test(node, last);
                 if hit != 0 {
                     let child = |lane: usize| *node.children.get_unchecked(lane);
-                    current = child(hit.trailing_zeros() as usize);
-                    hit &= hit - 1;
+                    let best = 31 - hit.leading_zeros();
+                    hit &= !(1 << best);
+                    current = child(best as usize);
                     while hit != 0 {
-                        let mut next = child(hit.trailing_zeros() as usize);
+                        let next = child(hit.trailing_zeros() as usize);
                         hit &= hit - 1;
-                        if next.is_leaf() && !current.is_leaf() {
-                            (current, next) = (next, current);
-                        }
                         stack.get_unchecked_mut(height).write(next);
                         height += 1;
                     }

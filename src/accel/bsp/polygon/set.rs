@@ -1,0 +1,88 @@
+//! The tree as an accelerator of one set of triangles.
+
+use super::tree::PolygonBsp;
+use super::walk::Walk;
+use crate::accel::TraceSet;
+use crate::accel::bake::TriangleSet;
+use crate::accel::bsp::options::BuildOptions;
+use crate::accel::counters::{BuildStats, Counter};
+use crate::accel::hit::Nearest;
+use crate::accel::linear::offer;
+use crate::geometry::{Ray, RayFrame};
+
+/// A set of triangles under a polygon BSP.
+pub(in crate::accel) struct PolygonSet {
+    triangles: TriangleSet,
+    walk: Walk,
+    nodes: u64,
+    depth: u32,
+}
+
+impl PolygonSet {
+    /// `outlines` are runs of triangles that were one polygon of the file.
+    pub(in crate::accel) fn build(
+        triangles: TriangleSet,
+        outlines: &[(u32, u32)],
+        options: &BuildOptions,
+    ) -> Self {
+        let shapes = triangles.iter().map(|t| t.triangle).collect();
+        let tree = PolygonBsp::build(shapes, outlines, options);
+        Self {
+            triangles,
+            nodes: tree.nodes().len() as u64,
+            depth: tree.stats().depth,
+            walk: Walk::new(&tree),
+        }
+    }
+}
+
+impl TraceSet for PolygonSet {
+    fn closest<C: Counter>(
+        &self,
+        ray: &Ray,
+        instance: Option<u32>,
+        nearest: &mut Nearest,
+        counter: &mut C,
+    ) {
+        let mut frame = RayFrame::new(ray);
+        self.walk.visit(ray, counter, |run, counter| {
+            counter.primitives(run.len());
+            for &t in run {
+                offer(&frame, &self.triangles[t as usize], instance, nearest);
+            }
+            frame.set_max(nearest.limit());
+            nearest.limit()
+        });
+    }
+
+    fn any<C: Counter>(&self, ray: &Ray, counter: &mut C) -> bool {
+        let frame = RayFrame::new(ray);
+        let mut is_hit = false;
+        self.walk.visit(ray, counter, |run, counter| {
+            let hits = |&t: &u32| {
+                frame
+                    .intersect(&self.triangles[t as usize].triangle)
+                    .is_some()
+            };
+            let hit = run.iter().position(hits);
+            counter.primitives(hit.map_or(run.len(), |h| h + 1));
+            is_hit = hit.is_some();
+            if is_hit {
+                f32::NEG_INFINITY
+            } else {
+                ray.interval.max
+            }
+        });
+        is_hit
+    }
+
+    fn stats(&self) -> BuildStats {
+        BuildStats {
+            triangles: self.triangles.len() as u64,
+            nodes: self.nodes,
+            depth: self.depth,
+            bytes: (self.walk.bytes() + size_of_val(&*self.triangles)) as u64,
+            ..BuildStats::default()
+        }
+    }
+}

@@ -1,0 +1,109 @@
+//! Arguments for how a BSP is built, and the report on the polygon tree in all its orders.
+
+use bspray::accel::bsp::polygon::SceneTrees;
+use bspray::accel::{BspOrder, BspQuality, BuildOptions};
+use bspray::scene::Scene;
+use clap::Args;
+use serde_json::{Value, json};
+
+/// How a BSP is built.
+#[derive(Args, Clone, Copy, Debug)]
+pub(super) struct BspArgs {
+    /// Time spent on building `bsp` against speed of its answers
+    #[arg(long, value_name = "QUALITY", default_value_t = BspQuality::default(), value_parser = quality)]
+    bsp_quality: BspQuality,
+    /// Which polygon `bsp-polygon` inserts next
+    #[arg(long, value_name = "ORDER", default_value_t = BspOrder::default(), value_parser = order)]
+    pub(super) bsp_order: BspOrder,
+    /// Whether neighbours that lie exactly in one plane enter `bsp-polygon` as one polygon
+    #[arg(long)]
+    bsp_merge: bool,
+}
+
+impl BspArgs {
+    pub(super) fn options(&self, seed: u32) -> BuildOptions {
+        BuildOptions {
+            quality: self.bsp_quality,
+            order: self.bsp_order,
+            merges_coplanar: self.bsp_merge,
+            seed: u64::from(seed),
+        }
+    }
+}
+
+fn one_of<T: Copy, const N: usize>(
+    all: [T; N],
+    name: fn(T) -> &'static str,
+    text: &str,
+) -> Result<T, String> {
+    all.into_iter()
+        .find(|&x| name(x) == text)
+        .ok_or_else(|| format!("want one of {}", all.map(name).join(", ")))
+}
+
+fn quality(text: &str) -> Result<BspQuality, String> {
+    one_of(BspQuality::ALL, BspQuality::name, text)
+}
+
+fn order(text: &str) -> Result<BspOrder, String> {
+    one_of(BspOrder::ALL, BspOrder::name, text)
+}
+
+/// The polygon trees of the scene, sums over them, in every order.
+pub(super) fn orders(scene: &Scene, options: &BuildOptions) -> Value {
+    let rows = BspOrder::ALL.map(|order| {
+        let trees = SceneTrees::build(scene, &BuildOptions { order, ..*options });
+        let all: Vec<_> = trees.trees().iter().map(|t| t.bsp.stats()).collect();
+        let sum = |count: fn(&bspray::accel::bsp::polygon::TreeStats) -> u64| -> u64 {
+            all.iter().map(count).sum()
+        };
+        let (fragments, polygons) = (sum(|s| s.fragments), sum(|s| s.polygons));
+        // A tree's mean counts by its size.
+        let depths: f64 = all.iter().map(|s| s.mean_leaf_depth * s.nodes as f64).sum();
+        json!({
+            "order": order.name(),
+            "polygons": polygons,
+            "left_out": sum(|s| s.left_out),
+            "nodes": sum(|s| s.nodes),
+            "depth": all.iter().map(|s| s.depth).max().unwrap_or(0),
+            "mean_leaf_depth": depths / sum(|s| s.nodes).max(1) as f64,
+            "splits": sum(|s| s.splits),
+            "fragments": fragments,
+            "fragments_per_polygon": fragments as f64 / polygons.max(1) as f64,
+            "unsplit": sum(|s| s.unsplit),
+        })
+    });
+    json!(rows)
+}
+
+/// The rows as a table.
+pub(super) fn table(rows: &Value) -> String {
+    let head = [
+        "order",
+        "polygons",
+        "nodes",
+        "depth",
+        "mean depth",
+        "splits",
+        "fragments",
+        "a polygon",
+    ];
+    let mut out = format!("{:<14}", head[0]);
+    head[1..].iter().for_each(|h| out += &format!("{h:>11}"));
+    for row in rows.as_array().into_iter().flatten() {
+        let real = |key: &str| format!("{:.2}", row[key].as_f64().unwrap_or_default());
+        out += &format!("\n{:<14}", row["order"].as_str().unwrap_or_default());
+        for cell in [
+            row["polygons"].to_string(),
+            row["nodes"].to_string(),
+            row["depth"].to_string(),
+            real("mean_leaf_depth"),
+            row["splits"].to_string(),
+            row["fragments"].to_string(),
+            real("fragments_per_polygon"),
+        ] {
+            out += &format!("{cell:>11}");
+        }
+    }
+    out + "\n"
+}
