@@ -13,7 +13,7 @@
 //! A `.tri` file is `BTRI`, u32 version, u32 count, u32 0, and 9 `f32` a triangle; a `.ray` file is `BRAY`, u32 version,
 //! u32 count, u32 kind, and 8 `f32` a ray: origin, direction, least and greatest `t`. Results are an `f32` `t` and a `u32` triangle a
 //! ray (infinite and all ones for a miss), or one byte 0 or 1. All of it is little-endian. The time is that of the
-//! loop over the rays, with the turning of a ray into our own form in it.
+//! loop over the rays, with the turning of a ray into our own form in it. A build of less than a second is the shortest of three, on one thread.
 
 #![allow(clippy::print_stdout, reason = "the protocol is lines on it")]
 
@@ -21,16 +21,13 @@ use std::io::{self, BufRead};
 
 use anyhow::{Context, bail};
 use bspray::accel::{Accelerator, AcceleratorKind, BspQuality, BuildOptions, Hit};
-use bspray::analysis::Stopwatch;
+use bspray::analysis::{Stopwatch, build};
 use bspray::geometry::{Interval, Ray};
 use bspray::scene::{Instance, Part, Scene, TriangleMesh};
 use glam::{DAffine3, Vec3};
 
 /// Rays that a batch holds: a tile of 32 x 32 pixels.
 const BATCH: usize = 1024;
-
-/// A build of less than this many seconds is repeated, and the shortest of three counts: the first also pays for fresh memory pages.
-const SHORT_BUILD: f64 = 1.0;
 
 /// A ray as the file has it: origin, direction, least and greatest `t`.
 type RawRay = [f32; 8];
@@ -39,7 +36,7 @@ fn main() -> anyhow::Result<()> {
     let args = Args::parse(std::env::args().skip(1))?;
     let scene = scene(&args.scene)?;
     let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build()?;
-    let (seconds, accelerator) = pool.install(|| build(&args, &scene));
+    let (accelerator, seconds) = pool.install(|| build(args.kind, &scene, &args.options));
     drop(pool);
     println!("ready {seconds} {}", accelerator.build_stats().bytes);
     serve(&*accelerator, args.is_batch)
@@ -119,25 +116,6 @@ fn scene(path: &str) -> anyhow::Result<Scene> {
         instances: vec![Instance::new("scene", 0, DAffine3::IDENTITY)],
         ..Scene::default()
     })
-}
-
-/// The structure and its wall-clock seconds.
-fn build(args: &Args, scene: &Scene) -> (f64, Box<dyn Accelerator>) {
-    let once = || {
-        let watch = Stopwatch::start();
-        let accelerator = args.kind.build_with(scene, &args.options);
-        (watch.elapsed().wall, accelerator)
-    };
-    let (mut seconds, mut accelerator) = once();
-    if seconds < SHORT_BUILD {
-        for _ in 0..2 {
-            drop(accelerator);
-            let (again, other) = once();
-            seconds = seconds.min(again);
-            accelerator = other;
-        }
-    }
-    (seconds, accelerator)
 }
 
 fn ray(raw: &RawRay) -> Ray {

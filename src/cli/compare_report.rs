@@ -178,6 +178,8 @@ impl CompareReport<'_> {
             "seed": options.seed,
             "repetitions": options.repetitions,
             "bsp_quality": options.build.quality.name(),
+            "bsp_order": options.build.order.name(),
+            "bsp_merges_coplanar": options.build.merges_coplanar,
             "build_threads": self.threads,
             "trace_threads": 1,
             "structures": structures.collect::<Vec<_>>(),

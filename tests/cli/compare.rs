@@ -34,7 +34,7 @@ fn the_table_has_every_structure_for_every_kind_of_rays_in_100_columns() {
         "{}",
         ran.stdout
     );
-    for name in ["bsp", "bvh2", "cwbvh"] {
+    for name in ["bsp", "bsp-polygon", "bvh2", "cwbvh"] {
         let rows: Vec<_> = lines
             .iter()
             .filter(|l| l.split_whitespace().next() == Some(name))
@@ -92,6 +92,7 @@ fn json_says_all_with_units_in_its_names() {
         assert_eq!(value[key], want, "{key}");
     }
     assert_eq!(value["bsp_quality"], "fast");
+    assert_eq!(value["bsp_order"], "sah");
     assert_eq!(value["first_is_right"], true);
     let above_zero = |v: &Value| assert!(v.as_f64().is_some_and(|x| x > 0.0), "{v}");
     for structure in value["structures"].as_array().unwrap() {
