@@ -8,6 +8,7 @@ mod avx2;
 mod avx512;
 mod kernel;
 mod portable;
+mod search;
 mod single;
 
 pub(super) use single::MOST_DEPTH;
