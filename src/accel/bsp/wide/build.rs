@@ -51,7 +51,7 @@ pub(super) struct Cell {
     pub(super) surface: f32,
     /// What it costs to have it as one to eight roots.
     pub(super) roots: Roots,
-    /// The triangles of all its fragments, in order, if they fill one block at most.
+    /// The triangles of all its fragments, in order, if a leaf can hold them.
     pub(super) members: Members,
 }
 

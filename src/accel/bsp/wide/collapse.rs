@@ -1,7 +1,7 @@
 //! From the binary tree to nodes of eight children, by dynamic programming.
 //!
 //! After Ylitie, Karras, Laine, "Efficient Incoherent Ray Traversal on GPUs Through Compressed Wide BVHs", 2017: for each cell, the
-//! least cost of having it as one root, as two, up to eight. One root is a leaf, if its triangles fill one block at most, or a node.
+//! least cost of having it as one root, as two, up to eight. One root is a leaf, if its triangles fill four blocks at most, or a node.
 
 use super::build::{Cell, Content, Members};
 use super::fragment::Extent;

@@ -1,7 +1,7 @@
 //! The wide BSP: polygons split into cells by planes, and every cell with the extent of its own point cluster.
 //!
 //! The lecture's two halves in one structure. Planes divide the polygons into cells ([`plane`], [`build`]); the fragments in a cell are a point
-//! cluster, and its extent is what a ray is tested against, eight cells at a time ([`node`], [`simd`]). Leaves hold up to eight
+//! cluster, and its extent is what a ray is tested against, eight cells at a time ([`node`], [`simd`]). Leaves hold blocks of up to eight
 //! original triangles, tested at once: fragments steer, originals are hit, by the crate's one test ([`RayFrame`]), so that answers are
 //! exact and the same for every set of instructions.
 //!

@@ -59,14 +59,17 @@ impl Word {
     pub(super) const MOST_PLACE: usize = (1 << Self::COUNT) - 1;
 
     pub(super) fn node(index: u32) -> Self {
-        debug_assert!(index <= Self::MOST_NODES);
+        assert!(index <= Self::MOST_NODES, "too many nodes for a word");
         Self(index * Self::NODE_UNITS)
     }
 
     /// A leaf of so many triangles, at least one.
     pub(super) fn leaf(place: usize, count: usize) -> Self {
         let (blocks, last) = ((count - 1) / WIDTH, (count - 1) % WIDTH);
-        debug_assert!(place <= Self::MOST_PLACE && blocks < MOST_BLOCKS);
+        assert!(
+            place <= Self::MOST_PLACE && blocks < MOST_BLOCKS,
+            "too many triangles for a word"
+        );
         Self(
             Self::LEAF
                 | (blocks as u32) << Self::BLOCKS
