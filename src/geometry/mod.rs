@@ -14,6 +14,6 @@ mod triangle;
 pub use aabb::Aabb;
 pub use interval::Interval;
 pub use ray::{Ray, RayOrigin};
-pub(crate) use ray_frame::depth;
+pub(crate) use ray_frame::rounded;
 pub use ray_frame::{RayFrame, Verdict};
 pub use triangle::{Barycentric, Triangle};

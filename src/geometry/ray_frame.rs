@@ -210,17 +210,28 @@ impl RayFrame {
 
 /// The correctly rounded `t` of a ray whose line meets the triangle, if it lies in the interval.
 #[inline(always)]
-pub(crate) fn depth(ray: &Ray, triangle: &Triangle) -> Option<f32> {
-    let interval = ray.interval;
+fn depth(ray: &Ray, triangle: &Triangle) -> Option<f32> {
     let bounds = filter::depth(ray, triangle);
-    let t = match bounds.map(|(low, high)| (low as f32, high as f32)) {
-        // Adding +0 turns -0 into +0.
-        Some((low, high)) if low.to_bits() == high.to_bits() => low + 0.0,
-        // Beside the interval wherever it is.
-        Some((low, high)) if high < interval.min || low > interval.max => return None,
-        _ => exact_depth(ray, triangle)?,
-    };
-    (t.is_finite() && interval.contains(t)).then_some(t)
+    if let Some(t) = rounded(bounds) {
+        return ray.interval.contains(t).then_some(t);
+    }
+    // Beside the interval wherever it is.
+    if bounds.is_some_and(|(low, high)| {
+        (high as f32) < ray.interval.min || (low as f32) > ray.interval.max
+    }) {
+        return None;
+    }
+    let t = exact_depth(ray, triangle)?;
+    (t.is_finite() && ray.interval.contains(t)).then_some(t)
+}
+
+/// The `f32` that everything between these bounds is rounded to, if it is one and finite.
+#[inline(always)]
+pub(crate) fn rounded(bounds: Option<(f64, f64)>) -> Option<f32> {
+    let (low, high) = bounds?;
+    let (low, high) = (low as f32, high as f32);
+    // Adding +0 turns -0 into +0.
+    (low.to_bits() == high.to_bits() && low.is_finite()).then_some(low + 0.0)
 }
 
 #[cold]

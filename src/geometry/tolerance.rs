@@ -41,6 +41,10 @@
 /// Unit roundoff of `f32`: 2^-24.
 pub const U32: f32 = f32::EPSILON / 2.0;
 
+/// Factor on a sum of a few positive `f32`s that pays for its roundings, and those of its terms: up to sixteen of them. Larger: nothing but
+/// somewhat coarser bounds.
+pub const BOUND_ROUNDING: f32 = 1.0 + 16.0 * U32;
+
 /// Unit roundoff of `f64`: 2^-53.
 pub const U64: f64 = f64::EPSILON / 2.0;
 
@@ -54,6 +58,10 @@ pub const COORDINATE_LIMIT: f32 = 1e18;
 ///
 /// Smaller than 4u and hits are decided wrongly; larger and more triangles go to the slower `f64` stage.
 pub const SHEAR_ERROR: f32 = 5.0 * U32;
+
+/// The same for a shear that is a product with the rounded inverse of the direction's largest component, as the lanes of the wide BSP
+/// have it: one rounding more, 5u, and u to spare.
+pub const LANE_SHEAR_ERROR: f32 = 6.0 * U32;
 
 /// Error of an edge function in units of `s^2`: 6u by steps 2 and 3 above, and u to spare.
 pub const PRODUCT_ERROR: f32 = 7.0 * U32;

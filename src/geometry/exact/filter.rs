@@ -87,8 +87,21 @@ pub fn depth(ray: &Ray, triangle: &Triangle) -> Option<(f64, f64)> {
     let to_plane = triangle.corners()[0].as_dvec3() - ray.origin.as_dvec3();
     let numerator = normal.dot(to_plane);
     let denominator = normal.dot(direction);
-    let numerator_error = NUMERATOR_FILTER * permanent.dot(to_plane.abs());
-    let denominator_error = DENOMINATOR_FILTER * permanent.dot(direction.abs());
+    quotient(
+        (numerator, NUMERATOR_FILTER * permanent.dot(to_plane.abs())),
+        (
+            denominator,
+            DENOMINATOR_FILTER * permanent.dot(direction.abs()),
+        ),
+    )
+}
+
+/// An interval that holds the quotient of two values, each given with a bound on its error.
+#[inline(always)]
+pub(crate) fn quotient(
+    (numerator, numerator_error): (f64, f64),
+    (denominator, denominator_error): (f64, f64),
+) -> Option<(f64, f64)> {
     // n/d and n'/d' differ by (|n - n'| + |n/d| |d - d'|) / |d'| at most, and |d'| is at least half of |d|.
     if denominator_error < 0.5 * denominator.abs() {
         let inverse = 1.0 / denominator;

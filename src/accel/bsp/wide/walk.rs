@@ -4,21 +4,24 @@
 //! a displacement of the face, are at most [`WALK_ERROR`] times the span of origin and tree; so `q` is lowered by as much for the
 //! faces where the ray enters, and raised for those where it leaves, and no ray is lost, from however far it comes.
 
-use glam::Vec3;
+use glam::{Vec3, Vec4};
 
+use super::simd::parts;
 use crate::geometry::Ray;
-use crate::geometry::tolerance::{SHEAR_ERROR, WALK_ERROR, WALK_FARTHEST, WALK_LENGTHS};
+use crate::geometry::tolerance::{
+    BOUND_ROUNDING, LANE_SHEAR_ERROR, LEAST_RATE, WALK_ERROR, WALK_FARTHEST, WALK_LENGTHS,
+};
 
-/// A ray ready to walk.
+/// A ray ready to walk: `b * inverse + enter` is where it enters the half space beyond a face at `b`. The fourth lanes are of no use.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct WalkRay {
-    pub(super) origin: Vec3,
-    pub(super) direction: Vec3,
-    /// By how much faces are displaced.
-    pub(super) displacement: f32,
+    pub(super) direction: Vec4,
+    pub(super) inverse: Vec4,
+    pub(super) enter: Vec4,
+    pub(super) leave: Vec4,
     /// The direction was divided by this power of two.
     pub(super) per_t: f32,
-    /// Not less than the magnitude of any difference between a point of the tree and the origin, along each axis.
+    /// The sum of the origin's magnitudes and the greatest coordinate of the tree, as computed.
     pub(super) span: f32,
 }
 
@@ -32,6 +35,10 @@ pub(super) struct LaneRay {
     pub(super) shear: [f32; 2],
     /// The direction's component along the frame's z.
     pub(super) rate: f32,
+    /// From lengths along the frame's z to those of the walk, rounded up.
+    pub(super) walk_per_length: f32,
+    /// Not less than the magnitude of any difference between a point of the tree and the origin, along each axis.
+    pub(super) span: f32,
     /// Bound on the error of a sheared coordinate.
     pub(super) error: f32,
 }
@@ -48,18 +55,26 @@ impl WalkRay {
     /// of `f32`: it must be tested against everything.
     #[inline(always)]
     pub(super) fn new(ray: &Ray, reach: Reach) -> Option<Self> {
-        let mut direction = ray.direction;
+        let origin = parts(&ray.origin);
+        let mut direction = parts(&ray.direction);
         let mut per_t = 1.0;
-        let sum = |v: Vec3| v.x.abs() + v.y.abs() + v.z.abs();
-        let span = sum(ray.origin) + reach.largest;
+        let sum = |v: Vec4| v.x.abs() + v.y.abs() + v.z.abs();
+        let span = sum(origin) + reach.largest;
         // What is not finite is in no range.
         if !WALK_LENGTHS.contains(&sum(direction)) {
-            (direction, per_t) = rescaled(direction)?;
+            let scaled = rescaled(ray.direction)?;
+            (direction, per_t) = (scaled.0.extend(0.0), scaled.1);
         }
+        let displacement = WALK_ERROR * span + f32::MIN_POSITIVE;
+        let steepness = Vec4::ONE / direction.abs().max(Vec4::splat(LEAST_RATE));
+        let inverse = steepness.copysign(direction);
+        let widen = steepness * displacement;
+        let middle = origin * inverse;
         (span < WALK_FARTHEST && ray.interval.min <= ray.interval.max).then_some(Self {
-            origin: ray.origin,
             direction,
-            displacement: WALK_ERROR * span + f32::MIN_POSITIVE,
+            inverse,
+            enter: -(middle + widen),
+            leave: widen - middle,
             per_t,
             span,
         })
@@ -81,16 +96,20 @@ impl LaneRay {
             2 - usize::from(y > z)
         };
         let axes = AXES[last];
-        // As slices: `Vec3`'s own indexing branches.
-        let (origin, direction): (&[f32; 3], &[f32; 3]) =
-            (ray.origin.as_ref(), ray.direction.as_ref());
-        let rate = direction[axes[2]];
+        // As slices: indexing of vectors branches.
+        let origin: &[f32; 3] = ray.origin.as_ref();
+        let (direction, inverse): (&[f32; 4], &[f32; 4]) =
+            (walk.direction.as_ref(), walk.inverse.as_ref());
+        let per_rate = inverse[last];
+        let span = walk.span * BOUND_ROUNDING;
         Self {
             axes,
-            origin: [origin[axes[0]], origin[axes[1]], origin[axes[2]]],
-            shear: [direction[axes[0]] / rate, direction[axes[1]] / rate],
-            rate,
-            error: SHEAR_ERROR * (walk.span * 1.000_001) + f32::MIN_POSITIVE,
+            origin: [origin[axes[0]], origin[axes[1]], origin[last]],
+            shear: [direction[axes[0]] * per_rate, direction[axes[1]] * per_rate],
+            rate: ray.direction.as_ref()[last],
+            walk_per_length: per_rate.abs() * (1.0 + 4.0 * f32::EPSILON),
+            span,
+            error: LANE_SHEAR_ERROR * span + f32::MIN_POSITIVE,
         }
     }
 

@@ -97,6 +97,14 @@ impl kernel::Lanes for Lanes {
         Self(unsafe { _mm256_xor_ps(self.0, _mm256_and_ps(other.0, _mm256_set1_ps(-0.0))) })
     }
     #[inline(always)]
+    #[allow(
+        clippy::disallowed_methods,
+        reason = "a bound covers either rounding, and this machine has the instruction"
+    )]
+    fn fused(a: f64, b: f64, c: f64) -> f64 {
+        a.mul_add(b, c)
+    }
+    #[inline(always)]
     unsafe fn below_and_above(self, low: Self, other: Self, high: Self) -> u32 {
         // SAFETY: the trait's promise.
         u32::from(unsafe {

@@ -3,7 +3,7 @@
 use super::super::node::{Node, WIDTH};
 use super::super::store::HEADER;
 use super::super::walk::{LaneRay, WalkRay};
-use crate::geometry::tolerance::{LANE_DEPTH_ERROR, LEAST_RATE, PRODUCT_ERROR, SHEAR_ERROR};
+use crate::geometry::tolerance::{LANE_DEPTH_ERROR, LANE_SHEAR_ERROR, PRODUCT_ERROR};
 
 /// Eight lanes of `f32`.
 ///
@@ -35,6 +35,8 @@ pub(super) trait Lanes: Copy {
     unsafe fn abs(self) -> Self;
     /// With its sign flipped where `other` is negative.
     unsafe fn flipped_with(self, other: Self) -> Self;
+    /// `a * b + c` in double precision, fused or not.
+    fn fused(a: f64, b: f64, c: f64) -> f64;
 }
 
 /// A ray in lanes, for the test of a node.
@@ -54,24 +56,15 @@ impl<L: Lanes> NodeRay<L> {
     /// As for [`Lanes`].
     #[inline(always)]
     pub(super) unsafe fn new(walk: &WalkRay, first: f32) -> Self {
-        let (origin, direction) = (walk.origin, walk.direction);
-        let near = [
-            ROW * (3 * is_negative(direction.x)),
-            ROW * (1 + 3 * is_negative(direction.y)),
-            ROW * (2 + 3 * is_negative(direction.z)),
-        ];
+        let [near, far] = ROWS_BY_SIGNS[(walk.direction.is_negative_bitmask() & 7) as usize];
         // SAFETY: the caller's promise.
         unsafe {
-            let displacement = L::splat(walk.displacement);
-            let x = Slope::new(origin.x, direction.x, displacement);
-            let y = Slope::new(origin.y, direction.y, displacement);
-            let z = Slope::new(origin.z, direction.z, displacement);
             Self {
-                inverse: [x.inverse, y.inverse, z.inverse],
-                enter: [x.enter, y.enter, z.enter],
-                leave: [x.leave, y.leave, z.leave],
+                inverse: splat3(walk.inverse.truncate().to_array()),
+                enter: splat3(walk.enter.truncate().to_array()),
+                leave: splat3(walk.leave.truncate().to_array()),
                 near,
-                far: [3 * ROW - near[0], 5 * ROW - near[1], 7 * ROW - near[2]],
+                far,
                 first: L::splat(first),
             }
         }
@@ -114,38 +107,24 @@ impl<L: Lanes> NodeRay<L> {
     }
 }
 
-/// A ray's walk along one axis: `b * inverse + enter` is where it enters the half space beyond a face at `b`.
-#[derive(Clone, Copy)]
-struct Slope<L> {
-    inverse: L,
-    enter: L,
-    leave: L,
-}
+/// Where the rows of a node's bounds are at which a ray enters, and at which it leaves, by the signs of its direction: a bit each for those
+/// that are negative.
+const ROWS_BY_SIGNS: [[[usize; 3]; 2]; 8] = rows_by_signs();
 
-impl<L: Lanes> Slope<L> {
-    /// # Safety
-    /// As for [`Lanes`].
-    #[inline(always)]
-    unsafe fn new(origin: f32, direction: f32, displacement: L) -> Self {
-        // SAFETY: the caller's promise.
-        unsafe {
-            let (origin, direction) = (L::splat(origin), L::splat(direction));
-            let steepness = L::splat(1.0).div(direction.abs().max(L::splat(LEAST_RATE)));
-            let widen = steepness.mul(displacement);
-            let inverse = steepness.flipped_with(direction);
-            let middle = origin.mul(inverse);
-            Self {
-                inverse,
-                enter: L::splat(0.0).sub(middle.add(widen)),
-                leave: widen.sub(middle),
-            }
+const fn rows_by_signs() -> [[[usize; 3]; 2]; 8] {
+    let mut rows = [[[0; 3]; 2]; 8];
+    let mut signs = 0;
+    while signs < 8 {
+        let mut axis = 0;
+        while axis < 3 {
+            let is_negative = signs >> axis & 1;
+            rows[signs][is_negative][axis] = ROW * axis;
+            rows[signs][1 - is_negative][axis] = ROW * (axis + 3);
+            axis += 1;
         }
+        signs += 1;
     }
-}
-
-#[inline(always)]
-fn is_negative(x: f32) -> usize {
-    (x.to_bits() >> 31) as usize
+    rows
 }
 
 /// # Safety
@@ -268,7 +247,7 @@ impl<L: Lanes> BlockRay<L> {
                 .max(bx.abs().add(by.abs()))
                 .max(cx.abs().add(cy.abs()));
             let tiny = L::splat(f32::MIN_POSITIVE);
-            let shear = depth.mul_add(L::splat(SHEAR_ERROR), tiny);
+            let shear = depth.mul_add(L::splat(LANE_SHEAR_ERROR), tiny);
             let lateral_part = lateral.mul(lateral).mul_add(L::splat(PRODUCT_ERROR), tiny);
             let error = shear.add(shear).mul_add(lateral.add(shear), lateral_part);
             let misses = least.below_and_above(L::splat(0.0).sub(error), greatest, error);

@@ -7,10 +7,12 @@ mod avx2;
 #[cfg(target_arch = "x86_64")]
 mod avx512;
 mod kernel;
+mod parts;
 mod portable;
 mod search;
 mod single;
 
+pub(super) use parts::parts;
 pub(super) use single::MOST_DEPTH;
 
 use crate::accel::counters::Counter;
@@ -125,6 +127,7 @@ macro_rules! dispatch {
 }
 
 /// The nearest hit, least number first among equals; hits below `passed` are passed over, see [`Passed`].
+#[inline(always)]
 pub(super) fn closest<C: Counter>(
     instructions: Instructions,
     tree: Tree<'_>,
@@ -136,6 +139,7 @@ pub(super) fn closest<C: Counter>(
 }
 
 /// Whether anything is hit.
+#[inline(always)]
 pub(super) fn any<C: Counter>(
     instructions: Instructions,
     tree: Tree<'_>,

@@ -88,6 +88,10 @@ impl kernel::Lanes for Lanes {
         self.zip(other, |a, b| if b.is_sign_negative() { -a } else { a })
     }
     #[inline(always)]
+    fn fused(a: f64, b: f64, c: f64) -> f64 {
+        a * b + c
+    }
+    #[inline(always)]
     unsafe fn below_and_above(self, low: Self, other: Self, high: Self) -> u32 {
         Self::bits(|i| self.0[i] < low.0[i] && high.0[i] < other.0[i])
     }

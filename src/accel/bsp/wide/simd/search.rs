@@ -8,7 +8,9 @@ use super::super::store::HEADER;
 use super::super::walk::LaneRay;
 use super::kernel::{Candidates, Lanes};
 use super::{Found, Passed};
-use crate::geometry::{Ray, RayFrame, Triangle, depth};
+use crate::geometry::exact::filter;
+use crate::geometry::tolerance::{BOUND_ROUNDING, DENOMINATOR_FILTER, NUMERATOR_FILTER};
+use crate::geometry::{Ray, RayFrame, Triangle, rounded};
 
 /// One triangle of a block, and its number.
 ///
@@ -50,6 +52,8 @@ pub(super) struct Search<'a> {
     passed: Passed,
     /// Lengths along the frame's z for one unit of `t`.
     rate: f32,
+    /// Not less than the magnitude of any difference between a corner and the origin, along each axis.
+    span: f32,
     /// The nearest of those that are known exactly.
     found: Found,
     pending: [MaybeUninit<Pending>; MOST_PENDING],
@@ -66,6 +70,7 @@ impl<'a> Search<'a> {
             ray,
             passed,
             rate: lanes.rate.abs(),
+            span: lanes.span,
             found: Found::NOTHING,
             pending: [const { MaybeUninit::uninit() }; MOST_PENDING],
             pending_count: 0,
@@ -119,7 +124,7 @@ impl<'a> Search<'a> {
             }
             if self.pending_count == MOST_PENDING {
                 // SAFETY: what waits was put there by this function.
-                unsafe { self.settle_many() };
+                unsafe { self.settle_many::<L>() };
             } else if self.pending_count == 1 {
                 // SAFETY: as above. The usual case: what waited is certainly further.
                 let waiting = unsafe { self.pending[0].assume_init() };
@@ -141,23 +146,79 @@ impl<'a> Search<'a> {
     /// Finds the exact depth of what waits.
     ///
     /// # Safety
-    /// What waits names blocks and lanes of them.
+    /// As for [`Lanes`]; what waits names blocks and lanes of them.
     #[inline(always)]
-    unsafe fn settle_pending(&mut self) {
+    unsafe fn settle_pending<L: Lanes>(&mut self) {
         for index in 0..self.pending_count {
             // SAFETY: as many were written; the caller's promise.
             let waiting = unsafe { self.pending[index].assume_init() };
             if waiting.near <= self.ends[1] {
                 // SAFETY: the caller's promise.
-                let (triangle, number) = unsafe {
-                    triangle(waiting.block, waiting.count as usize, waiting.lane as usize)
-                };
-                if let Some(t) = depth(self.ray, &triangle) {
-                    self.offer(t, number);
-                }
+                unsafe { self.settle_one::<L>(&waiting) };
             }
         }
         self.pending_count = 0;
+    }
+
+    /// Finds the exact depth of one that waits.
+    ///
+    /// # Safety
+    /// As for `settle_pending`.
+    #[inline(always)]
+    unsafe fn settle_one<L: Lanes>(&mut self, waiting: &Pending) {
+        let (block, count, lane) = (waiting.block, waiting.count as usize, waiting.lane as usize);
+        // SAFETY: the caller's promise.
+        let (triangle, number) = unsafe { triangle(block, count, lane) };
+        // SAFETY: the caller's promise; a block's first word is the bound on its triangles' lengths.
+        let length = 0.5 * unsafe { *block };
+        match rounded(self.depth::<L>(&triangle, length)) {
+            Some(t) if self.ray.interval.contains(t) => self.offer(t, number),
+            Some(_) => {}
+            // SAFETY: the caller's promise. With the triangle read again, so that above it need not be in memory.
+            None => unsafe { self.settle(block, count, 1 << lane) },
+        }
+    }
+
+    /// An interval that holds the `t` at which the ray's line meets the plane of a triangle, none of whose edges has a sum of components
+    /// beyond `length`.
+    ///
+    /// As [`filter::depth`], with a coarser bound that takes no sums of permanents: the products in `(u x v) . p` add up to no more than the
+    /// sums of `u`'s and of `v`'s components and the greatest of `p`'s.
+    #[inline(always)]
+    fn depth<L: Lanes>(&self, triangle: &Triangle, length: f32) -> Option<(f64, f64)> {
+        let [a, b, c] = *triangle.corners();
+        let difference = |p: f32, q: f32| f64::from(p) - f64::from(q);
+        let [ux, uy, uz] = [
+            difference(b.x, a.x),
+            difference(b.y, a.y),
+            difference(b.z, a.z),
+        ];
+        let [vx, vy, vz] = [
+            difference(c.x, a.x),
+            difference(c.y, a.y),
+            difference(c.z, a.z),
+        ];
+        let (origin, direction) = (self.ray.origin, self.ray.direction);
+        let [px, py, pz] = [
+            difference(a.x, origin.x),
+            difference(a.y, origin.y),
+            difference(a.z, origin.z),
+        ];
+        let nx = L::fused(uy, vz, -(uz * vy));
+        let ny = L::fused(uz, vx, -(ux * vz));
+        let nz = L::fused(ux, vy, -(uy * vx));
+        let numerator = L::fused(nx, px, L::fused(ny, py, nz * pz));
+        let [dx, dy, dz] = [direction.x, direction.y, direction.z].map(f64::from);
+        let denominator = L::fused(nx, dx, L::fused(ny, dy, nz * dz));
+        let length = f64::from(length * BOUND_ROUNDING);
+        let size = length * length;
+        filter::quotient(
+            (numerator, NUMERATOR_FILTER * size * f64::from(self.span)),
+            (
+                denominator,
+                DENOMINATOR_FILTER * size * f64::from(self.rate),
+            ),
+        )
     }
 
     /// As `settle_pending`, out of the way.
@@ -166,9 +227,9 @@ impl<'a> Search<'a> {
     /// As for `settle_pending`.
     #[cold]
     #[inline(never)]
-    unsafe fn settle_many(&mut self) {
+    unsafe fn settle_many<L: Lanes>(&mut self) {
         // SAFETY: the caller's promise.
-        unsafe { self.settle_pending() }
+        unsafe { self.settle_pending::<L>() }
     }
 
     /// Tests the triangles of a block whose lanes are in doubt, exactly.
@@ -207,10 +268,10 @@ impl<'a> Search<'a> {
     /// # Safety
     /// As for `settle_pending`.
     #[inline(always)]
-    pub(super) unsafe fn finish(&mut self) -> Found {
+    pub(super) unsafe fn finish<L: Lanes>(&mut self) -> Found {
         if self.pending_count > 0 {
             // SAFETY: the caller's promise.
-            unsafe { self.settle_pending() };
+            unsafe { self.settle_pending::<L>() };
         }
         self.found
     }

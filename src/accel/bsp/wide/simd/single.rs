@@ -121,8 +121,6 @@ pub(super) fn closest<L: Lanes, C: Counter>(
     };
     let lane_ray = LaneRay::new(ray, &walk);
     let mut search = Search::new(ray, &lane_ray, passed);
-    // From lengths along the frame's z to those of the walk, rounded up.
-    let walk_per_length = walk.per_t / lane_ray.rate.abs() * (1.0 + 4.0 * f32::EPSILON);
     let mut last = ray.interval.max * walk.per_t;
     let mut stack = Stack::new();
     let mut current = root;
@@ -156,7 +154,7 @@ pub(super) fn closest<L: Lanes, C: Counter>(
                     block = block.add(FULL_BLOCK);
                 }
                 if search.ends[1] < before {
-                    last = search.ends[1] * walk_per_length;
+                    last = search.ends[1] * lane_ray.walk_per_length;
                     last_lanes = L::splat(last);
                 }
             } else {
@@ -170,7 +168,7 @@ pub(super) fn closest<L: Lanes, C: Counter>(
             }
             match stack.pop(last) {
                 Some(next) => current = next,
-                None => return search.finish(),
+                None => return search.finish::<L>(),
             }
         }
     }
