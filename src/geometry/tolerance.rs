@@ -83,14 +83,14 @@ pub fn edge_function_error(depth: f32, lateral: f32) -> f32 {
     2.0 * shear * (lateral + shear) + PRODUCT_ERROR * (lateral * lateral) + f32::MIN_POSITIVE
 }
 
-/// Error of a depth times the determinant, beside four times that of an edge function, in units of the determinant and of the greatest
-/// depth: 16 u.
+/// Error of a depth in lanes, beside that of the edge functions, in units of twice the greatest depth `M`: 16 u.
 ///
-/// In lanes, the depth of a hit along the frame's z is compared with an end `e` of the interval without a division: `T = U Az + V Bz + W Cz`
-/// with `e D`, `D = U + V + W`. Where no edge function is beyond its error `E` on the wrong side, `|U| + |V| + |W| <= |D| + 4 E`. `T` is wrong by
-/// `3 E M` for the edge functions, `u` of each product's size for each depth, and at most 3 u for products and sums: `4u (|D| + 4 E) M`; `e D` by
-/// `3 E |e|`, and 3 u for the sums, the product and the rounding of `e`, and the last difference by u of both. Together below `(M + |e|) (4 E + 5u |D|)`; the
-/// rest is for the roundings of the bound, and for an end that is compared with a rounded `t`.
+/// In lanes, the depth of a hit along the frame's z is `T / D` with `T = U Az + V Bz + W Cz` and `D = U + V + W`. `E` is the bound on the error of
+/// an edge function. Where none is beyond it on the wrong side, `|U| + |V| + |W| <= |D| + 4 E`. `T` is wrong by `3 E M` for the edge functions, and
+/// by `4u (|D| + 4 E) M` for the roundings of depths, products and sums; `D` by `3 E + 2u (|D| + 4 E)`. The depth of a point of the triangle is at
+/// most `M`, so that the quotient is wrong by at most `2 M (3 E / |D| + 4u (1 + 4 E / |D|))`, and by 3u M more for its inverse, its product and the margin's
+/// subtraction; the ends of the interval, which are products of a rounded `t`, by 2u of themselves. `2 M (4 E / |D| + 16 u)` leaves as much again. Smaller than 7 u:
+/// hits are lost; larger: more of them wait for double precision.
 pub const LANE_DEPTH_ERROR: f32 = 16.0 * U32;
 
 /// Error of `det(d, p - o, q - p)` in `f64`, in units of its permanent.

@@ -7,7 +7,7 @@ use super::build::{Cell, Content, Members};
 use super::fragment::Extent;
 use super::node::{Node, WIDTH, Word};
 use super::plane::Costs;
-use super::store::Store;
+use super::store::Draft;
 
 /// What a wide node costs, in the unit of [`Costs`]: the test of its eight children.
 const NODE: f32 = 1.0;
@@ -104,25 +104,25 @@ fn roots<'a>(cell: &'a Cell, roots_left: usize, is_top: bool, found: &mut Vec<&'
 /// Writes the tree, its leaves by `leaf`; the word for its root, and its levels.
 pub(super) fn write(
     cell: &Cell,
-    leaf: &impl Fn(&[u32], &mut Store) -> Word,
-    store: &mut Store,
+    leaf: &impl Fn(&[u32], &mut Draft) -> Word,
+    draft: &mut Draft,
 ) -> (Word, u32) {
     if cell.roots.is_leaf
         && let Some(members) = cell.members.get()
     {
-        return (leaf(members, store), 1);
+        return (leaf(members, draft), 1);
     }
     let mut children = Vec::with_capacity(WIDTH);
     roots(cell, WIDTH, true, &mut children);
     children.sort_by(|a, b| a.promise().total_cmp(&b.promise()));
-    let index = store.reserve_node();
+    let index = draft.reserve_node();
     let mut node = Node::EMPTY;
     let mut levels = 0;
     for (lane, child) in children.into_iter().enumerate() {
-        let (word, below) = write(child, leaf, store);
+        let (word, below) = write(child, leaf, draft);
         node.set(lane, &child.extent, word);
         levels = levels.max(below);
     }
-    store.set_node(index, node);
+    draft.set_node(index, node);
     (Word::node(index), levels + 1)
 }

@@ -12,6 +12,7 @@ mod build;
 mod collapse;
 mod fragment;
 mod node;
+mod pages;
 mod plane;
 mod simd;
 mod store;
@@ -32,7 +33,7 @@ use build::{Builder, Plan};
 use node::Word;
 use plane::Costs;
 use simd::{Instructions, MOST_DEPTH, Occluded, Tree};
-use store::Store;
+use store::{Draft, Store};
 use walk::Reach;
 
 /// A set of triangles under a wide BSP.
@@ -123,11 +124,7 @@ fn plan(quality: BspQuality) -> Plan {
 
 impl WideSet {
     fn tree(&self) -> Tree<'_> {
-        Tree {
-            store: &self.store,
-            root: self.root,
-            reach: self.reach,
-        }
+        Tree::new(&self.store, self.root, self.reach)
     }
 
     fn offer(&self, t: f32, number: u32, instance: Option<u32>, nearest: &mut Nearest) {
@@ -174,15 +171,14 @@ impl WideSet {
             plan: plan(quality),
         };
         let tree = builder.build();
-        let leaf = |members: &[u32], store: &mut Store| {
-            store.push_leaf(members, |n| triangles[n as usize].triangle)
+        let leaf = |members: &[u32], draft: &mut Draft| {
+            draft.push_leaf(members, |n| triangles[n as usize].triangle)
         };
-        let mut store = Store::default();
-        let (root, depth) = collapse::write(&tree, &leaf, &mut store);
+        let mut draft = Draft::default();
+        let (root, depth) = collapse::write(&tree, &leaf, &mut draft);
         assert!(depth <= MOST_DEPTH, "the build bounds the depth");
-        store.finish();
         Self {
-            store,
+            store: draft.finish(),
             root,
             reach: Reach { largest },
             depth,
@@ -393,9 +389,9 @@ mod tests {
             pool.install(|| set(BspQuality::Default))
         };
         let (one, four) = (build(1), build(4));
-        assert_eq!(one.store.words, four.store.words);
+        assert_eq!(*one.store.words, *four.store.words);
         assert_eq!(one.store.nodes.len(), four.store.nodes.len());
-        for (a, b) in one.store.nodes.iter().zip(&four.store.nodes) {
+        for (a, b) in one.store.nodes.iter().zip(&*four.store.nodes) {
             assert_eq!((a.bounds, a.children), (b.bounds, b.children));
         }
     }

@@ -1,5 +1,7 @@
 //! A node of eight children, and the word that names a child.
 
+use bytemuck::{Pod, Zeroable};
+
 use super::fragment::Extent;
 
 /// Children of a node.
@@ -8,7 +10,7 @@ pub(super) const WIDTH: usize = 8;
 /// Eight children: their extents, and where to find them.
 ///
 /// A lane without a child has an extent that no ray meets.
-#[derive(Clone, Debug)]
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
 #[repr(C, align(32))]
 pub(super) struct Node {
     /// Least x, y, z, then greatest x, y, z, of all children.
@@ -39,7 +41,7 @@ impl Node {
 }
 
 /// A child: a node by its index; or a leaf by where its blocks begin, how many they are, and how many triangles the last has.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Pod, Zeroable)]
 #[repr(transparent)]
 pub(super) struct Word(u32);
 
@@ -76,6 +78,16 @@ impl Word {
                 | (last as u32) << Self::COUNT
                 | place as u32,
         )
+    }
+
+    #[inline(always)]
+    pub(super) fn bits(self) -> u32 {
+        self.0
+    }
+
+    #[inline(always)]
+    pub(super) fn from_bits(bits: u32) -> Self {
+        Self(bits)
     }
 
     #[inline(always)]

@@ -7,6 +7,7 @@
 use glam::Vec3;
 
 use super::node::{Node, WIDTH, Word};
+use super::pages::Pages;
 use crate::geometry::Triangle;
 
 /// Words that a place counts: leaves begin at multiples of it.
@@ -21,16 +22,24 @@ pub(super) const ROWS: usize = 10;
 /// Words of a full block.
 pub(super) const FULL_BLOCK: usize = HEADER + ROWS * WIDTH;
 
-/// Nodes and blocks.
+/// Nodes and blocks, while they are written.
 #[derive(Debug, Default)]
+pub(super) struct Draft {
+    nodes: Vec<Node>,
+    words: Vec<u32>,
+    leaves: Vec<Word>,
+}
+
+/// Nodes and blocks.
+#[derive(Debug)]
 pub(super) struct Store {
-    pub(super) nodes: Vec<Node>,
-    pub(super) words: Vec<u32>,
+    pub(super) nodes: Pages<Node>,
+    pub(super) words: Pages<u32>,
     /// All leaves, for rays that must be tested against everything.
     pub(super) leaves: Vec<Word>,
 }
 
-impl Store {
+impl Draft {
     pub(super) fn reserve_node(&mut self) -> u32 {
         self.nodes.push(Node::EMPTY);
         self.nodes.len() as u32 - 1
@@ -51,7 +60,7 @@ pub(super) fn lateral_bound(triangle: &Triangle) -> f32 {
     2.0 * length(b - a).max(length(c - b)).max(length(a - c))
 }
 
-impl Store {
+impl Draft {
     /// Appends a leaf of these triangles.
     pub(super) fn push_leaf(
         &mut self,
@@ -91,30 +100,23 @@ impl Store {
         leaf
     }
 
+    /// What was written, in its place, with as much at its end as eight lanes may read too far.
+    pub(super) fn finish(mut self) -> Store {
+        self.words.extend([0; WIDTH]);
+        self.leaves.shrink_to_fit();
+        Store {
+            nodes: Pages::new(self.nodes),
+            words: Pages::new(self.words),
+            leaves: self.leaves,
+        }
+    }
+}
+
+impl Store {
     /// The numbers of such a leaf.
     pub(super) fn numbers(&self, leaf: Word) -> &[u32] {
         let count = leaf.full_blocks() * WIDTH + leaf.last_count();
         &self.words[leaf.place() * LINE..][..count]
-    }
-
-    /// Ends the blocks with as much as eight lanes may read too far.
-    pub(super) fn finish(&mut self) {
-        self.words.extend([0; WIDTH]);
-        self.words.shrink_to_fit();
-        self.nodes.shrink_to_fit();
-    }
-
-    /// The node that a word names.
-    #[inline(always)]
-    pub(super) fn node(&self, word: Word) -> *const Node {
-        self.nodes.as_ptr().wrapping_byte_add(word.offset())
-    }
-
-    /// Where a leaf's first block begins.
-    #[inline(always)]
-    pub(super) fn block(&self, leaf: Word) -> *const f32 {
-        // Within the words: a leaf's place is where its blocks were written.
-        self.words.as_ptr().wrapping_add(leaf.place() * LINE).cast()
     }
 
     /// Every triangle with its number; some more than once.

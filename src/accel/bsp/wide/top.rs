@@ -10,7 +10,7 @@ use super::collapse;
 use super::fragment::{Extent, Fragment};
 use super::node::Word;
 use super::simd::{self, Instructions, Tree};
-use super::store::Store;
+use super::store::{Draft, Store};
 use super::walk::Reach;
 use crate::accel::bake::Placement;
 use crate::accel::counters::{BuildStats, Counter};
@@ -57,7 +57,7 @@ impl WideTop {
             let Extent { min, max } = f.extent();
             most.max(min.abs().max(max.abs()).truncate().max_element())
         });
-        let mut store = Store::default();
+        let mut draft = Draft::default();
         let (mut root, mut depth) = (None, 0);
         if !fragments.is_empty() {
             let builder = Builder {
@@ -65,14 +65,13 @@ impl WideTop {
                 plan: Plan::OF_PLACEMENTS,
             };
             let tree = builder.build_over(fragments);
-            let leaf = |numbers: &[u32], store: &mut Store| store.push_numbers(numbers);
-            let (word, levels) = collapse::write(&tree, &leaf, &mut store);
+            let leaf = |numbers: &[u32], draft: &mut Draft| draft.push_numbers(numbers);
+            let (word, levels) = collapse::write(&tree, &leaf, &mut draft);
             (root, depth) = (Some(word), levels);
         }
-        store.finish();
         Self {
             space,
-            store,
+            store: draft.finish(),
             root,
             reach: Reach { largest },
             depth,
@@ -101,11 +100,7 @@ impl WideTop {
         let Some(root) = self.root else {
             return Some(());
         };
-        let tree = Tree {
-            store: &self.store,
-            root,
-            reach: self.reach,
-        };
+        let tree = Tree::new(&self.store, root, self.reach);
         simd::visit(self.instructions, tree, &ray, counter, visit).then_some(())
     }
 }

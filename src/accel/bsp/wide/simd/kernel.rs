@@ -252,30 +252,27 @@ impl<L: Lanes> BlockRay<L> {
             let error = shear.add(shear).mul_add(lateral.add(shear), lateral_part);
             let misses = least.below_and_above(L::splat(0.0).sub(error), greatest, error);
             let certain = error.below(least) | greatest.below(L::splat(0.0).sub(error));
-            // Where along the ray, times the determinant: see `tolerance::LANE_DEPTH_ERROR`.
+            // Where along the ray: see `tolerance::LANE_DEPTH_ERROR`.
             let determinant = u.add(v).add(w);
             let place = u.mul_add(az, v.mul_add(bz, w.mul(cz)));
             let place = place.flipped_with(determinant).flipped_with(self.rate);
-            let determinant = determinant.abs();
-            let unsure = determinant.mul_add(L::splat(LANE_DEPTH_ERROR), error.mul(L::splat(4.0)));
+            let inverse = L::splat(1.0).div(determinant.abs());
+            let nearest = place.mul(inverse);
+            let share = error
+                .mul(inverse)
+                .mul_add(L::splat(8.0), L::splat(2.0 * LANE_DEPTH_ERROR));
+            let margin = depth.mul(share);
+            let (near, far) = (nearest.sub(margin), nearest.add(margin));
             let (first, last) = (L::splat(ends[0]), L::splat(ends[1]));
-            let from_first = place.sub(determinant.mul(first));
-            let to_last = determinant.mul(last).sub(place);
-            let at_first = depth.add(first.abs()).mul(unsure);
-            let at_last = depth.add(last.abs()).mul(unsure);
-            let zero = L::splat(0.0);
-            let outside = from_first.below(zero.sub(at_first)) | to_last.below(zero.sub(at_last));
-            let after_first = at_first.below(from_first);
-            let before_last = at_last.below(to_last);
+            let outside = far.below(first) | last.below(near);
             let possible = met & !misses & !outside;
-            let nearest = place.div(determinant);
-            let margin = depth.add(nearest.abs()).mul(unsure).div(determinant);
+            let met = possible & certain & first.below(near);
             Candidates {
                 possible,
-                met: possible & certain & after_first,
-                hit: possible & certain & after_first & before_last,
-                near: nearest.sub(margin),
-                far: nearest.add(margin),
+                met,
+                hit: met & far.below(last),
+                near,
+                far,
             }
         }
     }

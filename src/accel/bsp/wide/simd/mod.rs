@@ -18,8 +18,8 @@ pub(super) use single::MOST_DEPTH;
 use crate::accel::counters::Counter;
 use crate::geometry::Ray;
 
-use super::node::Word;
-use super::store::Store;
+use super::node::{Node, Word};
+use super::store::{LINE, Store};
 use super::walk::Reach;
 
 /// Sets of instructions that the walk is compiled for.
@@ -106,9 +106,37 @@ pub(super) enum Occluded {
 /// What a search walks.
 #[derive(Clone, Copy)]
 pub(super) struct Tree<'a> {
-    pub(super) store: &'a Store,
-    pub(super) root: Word,
-    pub(super) reach: Reach,
+    store: &'a Store,
+    nodes: *const Node,
+    words: *const u32,
+    root: Word,
+    reach: Reach,
+}
+
+impl<'a> Tree<'a> {
+    #[inline(always)]
+    pub(super) fn new(store: &'a Store, root: Word, reach: Reach) -> Self {
+        Self {
+            store,
+            nodes: store.nodes.as_ptr(),
+            words: store.words.as_ptr(),
+            root,
+            reach,
+        }
+    }
+
+    /// The node that a word names.
+    #[inline(always)]
+    fn node(&self, word: Word) -> *const Node {
+        self.nodes.wrapping_byte_add(word.offset())
+    }
+
+    /// Where a leaf's first block begins.
+    #[inline(always)]
+    fn block(&self, leaf: Word) -> *const f32 {
+        // Within the words: a leaf's place is where its blocks were written.
+        self.words.wrapping_add(leaf.place() * LINE).cast()
+    }
 }
 
 /// Calls a function compiled for the machine's instructions.
