@@ -17,6 +17,7 @@
 //! triangles, so that the answers are those of every other structure.
 
 mod build;
+mod drawing;
 mod fragment;
 mod input;
 mod order;
@@ -30,6 +31,7 @@ mod visibility;
 mod walk;
 
 pub use build::BuildLimits;
+pub use drawing::{Drawing, PlanFault};
 pub use fragment::{Corner, Edge, Fragment, Loop, Origin, Polygon};
 pub use order::{CANDIDATES, SAMPLE};
 pub use scene::{Located, PlacedTree, SceneTree, SceneTrees};

@@ -1,0 +1,201 @@
+//! The regions of a plan as a drawing: tinted and lettered, with the walls numbered, their normals, and the lines that walls are extended to.
+
+use glam::DVec2;
+
+use super::super::tree::PolygonBsp;
+use super::plan::{Plan, PlanFault, Region, Wall};
+use super::sheet::{Sheet, text_width};
+use super::{Drawing, cell_color, cell_name};
+
+/// Of the longer edge of the plan.
+const EXTENT: f64 = 900.0;
+const MARGIN: f64 = 20.0;
+/// Above the plan: title and legend.
+const HEAD: f64 = 72.0;
+/// Length of the arrow that shows a wall's front.
+const ARROW: f64 = 15.0;
+const LABEL_HEIGHT: f64 = 18.0;
+/// Places that are tried for a region's letter, along each axis of its box.
+const TRIED: u32 = 24;
+/// Free room without which a region has no letter.
+const LEAST_ROOM: f64 = 6.0;
+
+const STYLE: &str = "\
+polygon.region { stroke: none }
+polygon.head { stroke: none }
+line.cut { stroke: #777; stroke-width: 1; stroke-dasharray: 6 4 }
+line.wall { stroke: #111; stroke-width: 3.5; stroke-linecap: round }
+line.normal { stroke: #b2182b; stroke-width: 1.4 }
+text.wall { font-weight: bold; paint-order: stroke; stroke: #fff; stroke-width: 3px; stroke-opacity: 0.7 }
+text.cell { font-size: 17px; fill: #555; font-style: italic }
+text.small { font-size: 11px; fill: #555; font-style: italic }
+";
+
+/// A text's place.
+struct Label {
+    at: DVec2,
+    half: DVec2,
+}
+
+impl Label {
+    fn new(at: DVec2, text: &str) -> Self {
+        Self {
+            at,
+            half: DVec2::new(text_width(text), LABEL_HEIGHT) / 2.0,
+        }
+    }
+
+    /// Free room between the label and a point; negative within.
+    fn distance(&self, p: DVec2) -> f64 {
+        let beyond = (p - self.at).abs() - self.half;
+        if beyond.max_element() > 0.0 {
+            beyond.max(DVec2::ZERO).length()
+        } else {
+            beyond.max_element()
+        }
+    }
+
+    fn overlaps(&self, other: &Self) -> bool {
+        ((self.at - other.at).abs() - self.half - other.half).max_element() < 0.0
+    }
+
+    /// Whether the segment comes within a few pixels.
+    fn is_crossed(&self, [p, q]: [DVec2; 2]) -> bool {
+        (0..=16).any(|i| self.distance(p.lerp(q, f64::from(i) / 16.0)) < 3.0)
+    }
+}
+
+impl PolygonBsp {
+    /// The plane as the tree divides it, as an SVG drawing with `title` above it: for trees of walls that stand on one axis, such as the lecture's eleven edges.
+    ///
+    /// # Errors
+    /// Where this makes no sense, or the tree is too large to be read.
+    pub fn draw_regions(&self, title: &str) -> Result<Drawing, PlanFault> {
+        let plan = Plan::of(self)?;
+        let [min, max] = plan.frame;
+        let scale = EXTENT / (max - min).max_element();
+        let size = (max - min) * scale;
+        let width = size.x.max(text_width(title) * 1.2).max(640.0);
+        let left = MARGIN + (width - size.x) / 2.0;
+        let to_sheet = |p: DVec2| {
+            let p = (p - min) * scale;
+            DVec2::new(left + p.x, HEAD + size.y - p.y)
+        };
+        let hidden: Vec<String> = plan
+            .regions
+            .iter()
+            .filter(|r| r.corners.is_empty())
+            .map(|r| cell_name(r.cell))
+            .collect();
+        let note =
+            (!hidden.is_empty()).then(|| format!("Beyond the drawing: {}.", hidden.join(", ")));
+        let mut sheet = Sheet::default();
+        sheet.text("head", DVec2::new(MARGIN, 24.0), title);
+        let words = "letters: regions, the cells of the tree; numbers: walls, arrows at their fronts; dashed: walls extended to lines";
+        sheet.text("note", DVec2::new(MARGIN, 48.0), words);
+        let outlines: Vec<(&Region, Vec<DVec2>)> = plan
+            .regions
+            .iter()
+            .filter(|r| !r.corners.is_empty())
+            .map(|r| (r, r.corners.iter().map(|&p| to_sheet(p)).collect()))
+            .collect();
+        for (region, corners) in &outlines {
+            sheet.polygon("region", corners, &cell_color(region.cell));
+        }
+        for &[from, to] in &plan.cuts {
+            sheet.line("cut", to_sheet(from), to_sheet(to));
+        }
+        let segments: Vec<[DVec2; 2]> = plan
+            .walls
+            .iter()
+            .map(|w| [to_sheet(w.from), to_sheet(w.to)])
+            .collect();
+        for [from, to] in &segments {
+            sheet.line("wall", *from, *to);
+        }
+        let labels = self.draw_walls(&mut sheet, &plan.walls, &segments);
+        for (region, corners) in &outlines {
+            draw_letter(&mut sheet, &cell_name(region.cell), corners, &labels);
+        }
+        let mut bottom = HEAD + size.y + MARGIN;
+        if let Some(note) = &note {
+            sheet.text("note", DVec2::new(MARGIN, bottom + 4.0), note);
+            bottom += 24.0;
+        }
+        Ok(Drawing {
+            svg: sheet.finish(DVec2::new(width + 2.0 * MARGIN, bottom), title, STYLE),
+            note,
+        })
+    }
+
+    /// Draws the normals and the numbers of walls.
+    fn draw_walls(&self, sheet: &mut Sheet, walls: &[Wall], segments: &[[DVec2; 2]]) -> Vec<Label> {
+        let mut labels: Vec<Label> = Vec::new();
+        for (wall, &[from, to]) in walls.iter().zip(segments) {
+            let normal = DVec2::new(wall.normal.x, -wall.normal.y);
+            let names: Vec<String> = wall.fragments.iter().map(|&f| self.name(f)).collect();
+            let names = names.join(" ");
+            let foot = from.midpoint(to);
+            draw_arrow(sheet, foot, normal);
+            // Beside the arrow's tip, or elsewhere along the wall, on either side of it.
+            let away = |side: f64, reach: f64| {
+                let half = Label::new(DVec2::ZERO, &names).half;
+                normal * side * (reach + half.dot(normal.abs()))
+            };
+            let shares = [
+                (0.5, ARROW + 3.0),
+                (0.3, 5.0),
+                (0.7, 5.0),
+                (0.15, 5.0),
+                (0.85, 5.0),
+            ];
+            let beyond = shares.map(|(share, reach)| {
+                let on = from.lerp(to, share);
+                [on + away(1.0, reach), on + away(-1.0, 5.0)]
+            });
+            let mut places = beyond.iter().flatten().map(|&at| Label::new(at, &names));
+            let is_free = |l: &Label| {
+                labels.iter().all(|other| !l.overlaps(other))
+                    && segments.iter().all(|&s| !l.is_crossed(s))
+            };
+            let first = Label::new(beyond[0][0], &names);
+            let label = places.find(is_free).unwrap_or(first);
+            sheet.text("wall", label.at, &names);
+            labels.push(label);
+        }
+        labels
+    }
+}
+
+fn draw_arrow(sheet: &mut Sheet, foot: DVec2, normal: DVec2) {
+    let tip = foot + normal * ARROW;
+    let neck = foot + normal * (ARROW - 6.0);
+    sheet.line("normal", foot, neck);
+    let side = normal.perp() * 3.0;
+    sheet.polygon("head", &[tip, neck + side, neck - side], "#b2182b");
+}
+
+/// Writes a region's letter where it has most room, if it has any.
+fn draw_letter(sheet: &mut Sheet, name: &str, corners: &[DVec2], labels: &[Label]) {
+    let min = corners.iter().fold(DVec2::INFINITY, |a, &p| a.min(p));
+    let max = corners.iter().fold(DVec2::NEG_INFINITY, |a, &p| a.max(p));
+    let room = |p: DVec2| {
+        let edges = corners.iter().zip(corners.iter().cycle().skip(1));
+        // On the sheet y goes downwards, so that the corners run clockwise.
+        let to_edges = edges.map(|(a, b)| (p - *a).perp_dot((*b - *a).normalize_or_zero()));
+        let to_labels = labels.iter().map(|l| l.distance(p) - 2.0);
+        to_edges.chain(to_labels).fold(f64::INFINITY, f64::min)
+    };
+    let share = |i: u32| (f64::from(i) + 0.5) / f64::from(TRIED);
+    let tried = (0..TRIED * TRIED)
+        .map(|i| min + (max - min) * DVec2::new(share(i % TRIED), share(i / TRIED)));
+    let best = tried.max_by(|&p, &q| f64::total_cmp(&room(p), &room(q)));
+    if let Some(at) = best.filter(|&at| room(at) > LEAST_ROOM) {
+        let class = if room(at) > 1.6 * LEAST_ROOM {
+            "cell"
+        } else {
+            "small"
+        };
+        sheet.text(class, at, name);
+    }
+}
