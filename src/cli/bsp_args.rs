@@ -58,7 +58,7 @@ pub(super) fn describe(trees: &SceneTrees) -> String {
         fragments => format!(", {fragments} of them in undivided cells"),
     };
     format!(
-        "polygon BSP: {} fragments of {} polygons{undivided}; depth 0 (violet) to {} (yellow)",
+        "polygon BSP: {} fragments of {} polygons{undivided}; depth from 0 (violet) to {} (yellow), in equal steps for each doubling",
         count(|s| s.fragments),
         count(|s| s.polygons),
         trees.depth().saturating_sub(1)

@@ -15,10 +15,14 @@ const HEAD: f64 = 72.0;
 /// Length of the arrow that shows a wall's front.
 const ARROW: f64 = 15.0;
 const LABEL_HEIGHT: f64 = 18.0;
+/// Where along a wall its arrow and number may stand, the best first.
+const FEET: [f64; 7] = [0.5, 0.4, 0.6, 0.3, 0.7, 0.2, 0.8];
 /// Places that are tried for a region's letter, along each axis of its box.
 const TRIED: u32 = 24;
 /// Free room without which a region has no letter.
 const LEAST_ROOM: f64 = 6.0;
+/// Free room beyond which a letter rather stands in the middle of its region.
+const AMPLE_ROOM: f64 = 30.0;
 
 const STYLE: &str = "\
 polygon.region { stroke: none }
@@ -102,8 +106,9 @@ impl PolygonBsp {
         for (region, corners) in &outlines {
             sheet.polygon("region", corners, &cell_color(region.cell));
         }
-        for &[from, to] in &plan.cuts {
-            sheet.line("cut", to_sheet(from), to_sheet(to));
+        let cuts: Vec<[DVec2; 2]> = plan.cuts.iter().map(|c| c.map(to_sheet)).collect();
+        for [from, to] in &cuts {
+            sheet.line("cut", *from, *to);
         }
         let segments: Vec<[DVec2; 2]> = plan
             .walls
@@ -113,7 +118,7 @@ impl PolygonBsp {
         for [from, to] in &segments {
             sheet.line("wall", *from, *to);
         }
-        let labels = self.draw_walls(&mut sheet, &plan.walls, &segments);
+        let labels = self.draw_walls(&mut sheet, &plan.walls, &segments, &cuts);
         for (region, corners) in &outlines {
             draw_letter(&mut sheet, &cell_name(region.cell), corners, &labels);
         }
@@ -128,40 +133,36 @@ impl PolygonBsp {
         })
     }
 
-    /// Draws the normals and the numbers of walls.
-    fn draw_walls(&self, sheet: &mut Sheet, walls: &[Wall], segments: &[[DVec2; 2]]) -> Vec<Label> {
+    /// Draws the normals and the numbers of walls, where they cover nothing if such a place is found.
+    fn draw_walls(
+        &self,
+        sheet: &mut Sheet,
+        walls: &[Wall],
+        segments: &[[DVec2; 2]],
+        cuts: &[[DVec2; 2]],
+    ) -> Vec<Label> {
         let mut labels: Vec<Label> = Vec::new();
         for (wall, &[from, to]) in walls.iter().zip(segments) {
             let normal = DVec2::new(wall.normal.x, -wall.normal.y);
             let names: Vec<String> = wall.fragments.iter().map(|&f| self.name(f)).collect();
             let names = names.join(" ");
-            let foot = from.midpoint(to);
+            let half = Label::new(DVec2::ZERO, &names).half;
+            let away = normal * (ARROW + 3.0 + half.dot(normal.abs()));
+            let feet = FEET.map(|share| from.lerp(to, share));
+            let is_clear = |foot: &DVec2, lines: &[[DVec2; 2]]| {
+                let label = Label::new(*foot + away, &names);
+                labels.iter().all(|other| !label.overlaps(other))
+                    && lines.iter().all(|&line| !label.is_crossed(line))
+            };
+            // Dashed lines may be covered if need be, walls only if all else fails.
+            let clear = feet
+                .iter()
+                .find(|f| is_clear(f, segments) && is_clear(f, cuts))
+                .or_else(|| feet.iter().find(|f| is_clear(f, segments)));
+            let foot = *clear.unwrap_or(&feet[0]);
             draw_arrow(sheet, foot, normal);
-            // Beside the arrow's tip, or elsewhere along the wall, on either side of it.
-            let away = |side: f64, reach: f64| {
-                let half = Label::new(DVec2::ZERO, &names).half;
-                normal * side * (reach + half.dot(normal.abs()))
-            };
-            let shares = [
-                (0.5, ARROW + 3.0),
-                (0.3, 5.0),
-                (0.7, 5.0),
-                (0.15, 5.0),
-                (0.85, 5.0),
-            ];
-            let beyond = shares.map(|(share, reach)| {
-                let on = from.lerp(to, share);
-                [on + away(1.0, reach), on + away(-1.0, 5.0)]
-            });
-            let mut places = beyond.iter().flatten().map(|&at| Label::new(at, &names));
-            let is_free = |l: &Label| {
-                labels.iter().all(|other| !l.overlaps(other))
-                    && segments.iter().all(|&s| !l.is_crossed(s))
-            };
-            let first = Label::new(beyond[0][0], &names);
-            let label = places.find(is_free).unwrap_or(first);
-            sheet.text("wall", label.at, &names);
-            labels.push(label);
+            sheet.text("wall", foot + away, &names);
+            labels.push(Label::new(foot + away, &names));
         }
         labels
     }
@@ -180,7 +181,12 @@ fn draw_letter(sheet: &mut Sheet, name: &str, corners: &[DVec2], labels: &[Label
     let min = corners.iter().fold(DVec2::INFINITY, |a, &p| a.min(p));
     let max = corners.iter().fold(DVec2::NEG_INFINITY, |a, &p| a.max(p));
     let room = |p: DVec2| {
-        let edges = corners.iter().zip(corners.iter().cycle().skip(1));
+        let next = corners.iter().cycle().skip(1);
+        // Where a line meets a corner, two points are one.
+        let edges = corners
+            .iter()
+            .zip(next)
+            .filter(|(a, b)| a.distance(**b) > 1e-6);
         // On the sheet y goes downwards, so that the corners run clockwise.
         let to_edges = edges.map(|(a, b)| (p - *a).perp_dot((*b - *a).normalize_or_zero()));
         let to_labels = labels.iter().map(|l| l.distance(p) - 2.0);
@@ -189,7 +195,9 @@ fn draw_letter(sheet: &mut Sheet, name: &str, corners: &[DVec2], labels: &[Label
     let share = |i: u32| (f64::from(i) + 0.5) / f64::from(TRIED);
     let tried = (0..TRIED * TRIED)
         .map(|i| min + (max - min) * DVec2::new(share(i % TRIED), share(i / TRIED)));
-    let best = tried.max_by(|&p, &q| f64::total_cmp(&room(p), &room(q)));
+    let middle = corners.iter().sum::<DVec2>() / corners.len().max(1) as f64;
+    let value = |p: DVec2| room(p).min(AMPLE_ROOM) - 0.02 * p.distance(middle);
+    let best = tried.max_by(|&p, &q| f64::total_cmp(&value(p), &value(q)));
     if let Some(at) = best.filter(|&at| room(at) > LEAST_ROOM) {
         let class = if room(at) > 1.6 * LEAST_ROOM {
             "cell"

@@ -9,11 +9,10 @@ use super::layout::{Item, place};
 use super::sheet::{Sheet, text_width};
 use super::{Drawing, cell_color, cell_name, cells, fragment_color};
 
-/// Nodes of a drawing. More cannot be read on one sheet.
+/// Nodes and levels of a drawing, and its width in pixels. More cannot be read on one sheet.
 const MOST_NODES: usize = 400;
-
-/// Levels of a drawing: as [`MOST_NODES`], for trees like chains.
 const MOST_LEVELS: u32 = 60;
+const MOST_WIDTH: f64 = 4000.0;
 
 /// Nodes of a tree whose cells of space are drawn, too.
 const MOST_WITH_CELLS: usize = 64;
@@ -58,21 +57,16 @@ impl PolygonBsp {
     /// # }
     /// ```
     pub fn draw_tree(&self, title: &str) -> Drawing {
-        let levels = self.drawn_levels();
-        let shown = self.shown(levels);
-        let widths = shown.iter().map(|(s, _)| match s {
-            Shown::Node(node) => 18.0 + text_width(&self.short_label(*node)),
-            Shown::Cell(cell) => 12.0 + text_width(&cell_name(*cell)),
-            Shown::More(count) => 10.0 + text_width(&more(*count)),
-        });
-        let items: Vec<Item> = widths
-            .zip(&shown)
-            .map(|(width, (_, children))| Item {
-                width,
-                children: *children,
-            })
-            .collect();
-        let (middles, width) = place(&items);
+        let mut levels = self.drawn_levels();
+        let (shown, items, middles, width) = loop {
+            let shown = self.shown(levels);
+            let items = self.items(&shown);
+            let (middles, width) = place(&items);
+            if width <= MOST_WIDTH || levels <= 1 {
+                break (shown, items, middles, width);
+            }
+            levels -= 1;
+        };
         let mut depths = vec![0_u32; shown.len()];
         for (number, (_, children)) in shown.iter().enumerate() {
             for child in children.iter().flatten() {
@@ -90,9 +84,8 @@ impl PolygonBsp {
                 self.nodes.len()
             )
         });
-        let legend = legend();
         let size = DVec2::new(
-            width.max(text_width(title) * 1.2).max(legend) + 2.0 * MARGIN,
+            width.max(text_width(title) * 1.2).max(legend_width()) + 2.0 * MARGIN,
             HEAD + f64::from(depths.iter().max().map_or(0, |d| d + 1)) * LEVEL_HEIGHT
                 + if note.is_some() { 24.0 } else { 0.0 },
         );
@@ -106,7 +99,8 @@ impl PolygonBsp {
         };
         let mut sheet = Sheet::default();
         sheet.text("head", DVec2::new(MARGIN, 24.0), title);
-        draw_legend(&mut sheet);
+        let has_cells = shown.iter().any(|(s, _)| matches!(s, Shown::Cell(_)));
+        draw_legend(&mut sheet, has_cells);
         for (number, (_, children)) in shown.iter().enumerate() {
             let half = DVec2::new(0.0, BOX_HEIGHT / 2.0);
             for (child, class) in children.iter().zip(["back", "front"]) {
@@ -125,6 +119,18 @@ impl PolygonBsp {
             svg: sheet.finish(size, title, STYLE),
             note,
         }
+    }
+
+    fn items(&self, shown: &[(Shown, [Option<usize>; 2])]) -> Vec<Item> {
+        let item = |(what, children): &(Shown, [Option<usize>; 2])| Item {
+            width: match *what {
+                Shown::Node(node) => 18.0 + text_width(&self.short_label(node)),
+                Shown::Cell(cell) => 12.0 + text_width(&cell_name(cell)),
+                Shown::More(count) => 10.0 + text_width(&more(count)),
+            },
+            children: *children,
+        };
+        shown.iter().map(item).collect()
     }
 
     fn draw(&self, sheet: &mut Sheet, what: &Shown, at: DVec2, width: f64) {
@@ -237,21 +243,38 @@ fn more(count: u32) -> String {
     format!("… {count}")
 }
 
-const LEGEND: [(&str, &str); 2] = [("back", "behind (inside)"), ("front", "in front (outside)")];
+/// What the lines and boxes are, and the width of the words.
+const LEGEND: [(&str, &str, f64); 3] = [
+    ("back", "behind (inside)", 96.0),
+    ("front", "in front (outside)", 112.0),
+    ("cell", "cell of space", 80.0),
+];
+/// Width of a line or box of the legend with its room.
+const SIGN: f64 = 38.0;
+const BETWEEN: f64 = 28.0;
 
-fn legend() -> f64 {
+fn legend_width() -> f64 {
     LEGEND
         .iter()
-        .map(|(_, words)| 64.0 + text_width(words))
+        .map(|(.., width)| SIGN + width + BETWEEN)
         .sum()
 }
 
-fn draw_legend(sheet: &mut Sheet) {
+fn draw_legend(sheet: &mut Sheet, has_cells: bool) {
     let mut x = MARGIN;
-    for (class, words) in LEGEND {
-        sheet.line(class, DVec2::new(x, 48.0), DVec2::new(x + 30.0, 48.0));
-        sheet.text("note", DVec2::new(x + 38.0, 48.0), words);
-        x += 64.0 + text_width(words);
+    for (class, words, width) in LEGEND {
+        let from = DVec2::new(x, 48.0);
+        if class == "cell" {
+            if !has_cells {
+                break;
+            }
+            let fill = cell_color(0);
+            sheet.rectangle(class, from + DVec2::X * 18.0, DVec2::new(22.0, 18.0), &fill);
+        } else {
+            sheet.line(class, from, from + DVec2::X * 30.0);
+        }
+        sheet.text("note", from + DVec2::X * SIGN, words);
+        x += SIGN + width + BETWEEN;
     }
 }
 
@@ -271,7 +294,7 @@ mod tests {
 
     #[test]
     fn large_trees_are_drawn_down_to_a_level_and_say_so() {
-        for (order, levels) in [(BspOrder::File, 60), (BspOrder::Balanced, 8)] {
+        for (order, levels) in [(BspOrder::File, 60), (BspOrder::Balanced, 6)] {
             let options = BuildOptions {
                 order,
                 ..BuildOptions::default()
