@@ -214,6 +214,7 @@ fn compare(
     let accelerator = AcceleratorKind::default().build(scene);
     // The traced picture of names is that of the program: the layers `id` and `prim`.
     let stage = Stage::new(scene, &*accelerator, Vec3::Y, SkyMode::Auto);
+    assert!(!stage.has_alpha, "{name}: the painter paints everything");
     let render_options = scenes::options(size, 1, Integrator::Facing);
     let never = std::sync::atomic::AtomicBool::new(false);
     let picture = layers(&render(&stage, camera, &render_options, &never), camera);
@@ -243,26 +244,28 @@ fn compare(
                 hit
             };
             let t = |hit: Option<Hit>| hit.map(|h| h.t.to_bits());
-            assert_eq!(
-                t(painted),
-                t(traced),
-                "{name}, {} at {x},{y}: {painted:?} is painted, {traced:?} is traced",
-                options.order
-            );
+            if t(painted) != t(traced) {
+                return Err(format!(
+                    "{name}, {} at {x},{y}: {painted:?} is painted, {traced:?} is traced",
+                    options.order
+                ));
+            }
             agreement.met += usize::from(traced.is_some());
             agreement.ties += usize::from(painted != traced);
         }
-        agreement
+        Ok(agreement)
     };
     let pixels = (size.0 * size.1) as usize;
-    let sum = |a: Agreement, b: Agreement| Agreement {
-        met: a.met + b.met,
-        ties: a.ties + b.ties,
+    let sum = |a: Agreement, b: Agreement| {
+        Ok(Agreement {
+            met: a.met + b.met,
+            ties: a.ties + b.ties,
+        })
     };
-    (0..pixels)
-        .into_par_iter()
-        .map(pixel)
-        .reduce(Agreement::default, sum)
+    let all = (0..pixels).into_par_iter().map(pixel);
+    // One complaint, not one a pixel.
+    all.try_reduce(Agreement::default, sum)
+        .unwrap_or_else(|complaint| panic!("{complaint}"))
 }
 
 fn load(path: &Path) -> Scene {
@@ -295,7 +298,7 @@ fn framed(scene: &Scene, size: (u32, u32)) -> CameraFrame {
     camera.frame(size.0, size.1).expect("it sees something")
 }
 
-const SIZE: (u32, u32) = (64, 48);
+const SIZE: (u32, u32) = (48, 36);
 
 #[test]
 fn the_painter_sees_the_lectures_examples_in_every_order_as_they_are_traced() {
@@ -319,13 +322,13 @@ fn the_painter_sees_the_lectures_examples_in_every_order_as_they_are_traced() {
                 let camera = from(eye, Vec3::new(0.9, 0.8, 0.45), SIZE);
                 let seen = compare("the block", &block, &camera, SIZE, &options);
                 assert!(
-                    seen.met > 300 && seen.ties * 20 < seen.met,
+                    seen.met > 200 && seen.ties * 20 < seen.met,
                     "{eye}: {seen:?}"
                 );
             }
             let camera = from(Vec3::new(1.5, -7.0, 5.0), Vec3::new(3.4, 2.0, 0.3), SIZE);
             let seen = compare("the edges", &edges, &camera, SIZE, &options);
-            assert!(seen.met > 300 && seen.ties * 20 < seen.met, "{seen:?}");
+            assert!(seen.met > 200 && seen.ties * 20 < seen.met, "{seen:?}");
         }
     }
 }
@@ -342,7 +345,7 @@ fn the_painter_sees_the_models_as_they_are_traced() {
             };
             let seen = compare(name, &scene, &framed(&scene, SIZE), SIZE, &options);
             assert!(
-                seen.met > 1000 && seen.ties * 50 < seen.met,
+                seen.met > 600 && seen.ties * 50 < seen.met,
                 "{name}: {seen:?}"
             );
         }
@@ -379,7 +382,7 @@ fn the_painter_sees_soups_and_their_instances_as_they_are_traced() {
                 // On the grid many triangles coincide.
                 let most = if name == "a tangle" { 2 } else { 50 };
                 assert!(
-                    seen.met > 1000 && seen.ties * most < seen.met,
+                    seen.met > 600 && seen.ties * most < seen.met,
                     "{name}: {seen:?}"
                 );
             }
@@ -398,7 +401,6 @@ fn the_painter_sees_large_models_as_they_are_traced() {
         "obj/wingnut.obj",
         "obj/sword-quads.obj",
         "obj/bunny.obj",
-        "gltf/house.glb",
     ] {
         let path = folder.join(name);
         if !path.exists() {
