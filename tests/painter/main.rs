@@ -6,181 +6,30 @@
 //!
 //! Instances have trees of their own, and the painter no order among these: of their pictures, each pixel takes the nearest.
 
-#[path = "support/random.rs"]
+mod canvas;
+#[path = "../support/random.rs"]
 #[allow(dead_code, reason = "shared by several tests")]
 mod random;
-#[path = "support/scenes.rs"]
+#[path = "../support/rational.rs"]
+mod rational;
+#[path = "../support/scenes.rs"]
 #[allow(dead_code, reason = "shared by several tests")]
 mod scenes;
-#[path = "support/soup.rs"]
+#[path = "../support/soup.rs"]
 mod soup;
 
 use std::path::Path;
 
-use bspray::accel::bsp::polygon::{PlacedTree, PolygonBsp, SceneTrees, Seen};
-use bspray::accel::{Accelerator, AcceleratorKind, BspOrder, BuildOptions, Hit, TestSpaces};
-use bspray::geometry::{Ray, RayFrame, Triangle};
+use bspray::accel::bsp::polygon::SceneTrees;
+use bspray::accel::{AcceleratorKind, BspOrder, BuildOptions, Hit, TestSpaces};
+use bspray::geometry::Triangle;
 use bspray::picture::Samples;
 use bspray::render::{CameraWishes, Integrator, SkyMode, Stage, frame_scene, layers, render};
 use bspray::scene::{Camera, CameraFrame, Instance, Projection, Scene};
-use dashu_ratio::Relaxed;
+use canvas::{Canvas, trace_fronts};
 use glam::{DAffine3, DVec3, Vec3};
 use random::Random;
 use rayon::prelude::*;
-
-// ---------------------------------------------------------------------------------------------- rational truth
-
-type Rationals = [Relaxed; 3];
-
-fn rational(v: Vec3) -> Rationals {
-    v.to_array().map(|x| Relaxed::try_from(x).expect("finite"))
-}
-
-fn minus(a: &Rationals, b: &Rationals) -> Rationals {
-    std::array::from_fn(|i| &a[i] - &b[i])
-}
-
-fn dot(a: &Rationals, b: &Rationals) -> Relaxed {
-    &a[0] * &b[0] + &a[1] * &b[1] + &a[2] * &b[2]
-}
-
-fn normal([a, b, c]: &[Vec3; 3]) -> Rationals {
-    let [a, b, c] = [a, b, c].map(|p| rational(*p));
-    let [p, q] = [minus(&b, &a), minus(&c, &a)];
-    std::array::from_fn(|i| {
-        let [j, k] = [(i + 1) % 3, (i + 2) % 3];
-        &p[j] * &q[k] - &p[k] * &q[j]
-    })
-}
-
-/// Where the line of the ray meets the plane of the triangle.
-fn meeting(ray: &Ray, triangle: &Triangle) -> Rationals {
-    let (o, d) = (rational(ray.origin), rational(ray.direction));
-    let n = normal(triangle.corners());
-    let t = dot(&n, &minus(&rational(triangle.corners()[0]), &o)) / dot(&n, &d);
-    std::array::from_fn(|i| &o[i] + &t * &d[i])
-}
-
-/// Whether the ray comes from the side from which the corners run counter-clockwise.
-fn is_from_the_front(ray: &Ray, triangle: &Triangle) -> bool {
-    dot(&normal(triangle.corners()), &rational(ray.direction)) < Relaxed::ZERO
-}
-
-// ---------------------------------------------------------------------------------------------- painting
-
-/// A tree in its place, from one eye.
-struct Canvas<'a> {
-    bsp: &'a PolygonBsp,
-    placed: &'a PlacedTree,
-    names: Box<dyn Fn(u32) -> (u32, u32) + Sync + 'a>,
-    /// From behind to in front.
-    order: Vec<Seen>,
-    /// Of each fragment, its node; of each node, the node above it and whether it lies in front of that.
-    node_of: Vec<u32>,
-    parents: Vec<Option<(u32, bool)>>,
-}
-
-impl<'a> Canvas<'a> {
-    fn new(trees: &'a SceneTrees, placed: &'a PlacedTree, eye: Vec3) -> Self {
-        let tree = &trees.trees()[placed.tree as usize];
-        let bsp = &tree.bsp;
-        assert_eq!(bsp.stats().unsplit, 0, "undivided cells have no order");
-        let mut parents = vec![None; bsp.nodes().len()];
-        let mut node_of = vec![0; bsp.fragments().len()];
-        for (number, node) in (0..).zip(bsp.nodes()) {
-            node.fragments().for_each(|f| node_of[f as usize] = number);
-            for (child, is_front) in [(node.front(), true), (node.back(), false)] {
-                if let Some(child) = child {
-                    parents[child as usize] = Some((number, is_front));
-                }
-            }
-        }
-        Self {
-            bsp,
-            placed,
-            names: Box::new(|triangle| match placed.instance {
-                Some((instance, _)) => (instance, triangle),
-                None => tree.name(triangle),
-            }),
-            order: bsp.back_to_front(eye.as_dvec3()),
-            node_of,
-            parents,
-        }
-    }
-
-    /// Whether the point, on the polygon's plane, is in the closed cell of the fragment.
-    fn is_in_cell(&self, fragment: u32, point: &Rationals) -> bool {
-        let mut at = self.node_of[fragment as usize];
-        while let Some((above, is_front)) = self.parents[at as usize] {
-            let plane = self.bsp.nodes()[above as usize].plane().expect("divided");
-            let points = self.bsp.plane(plane).points();
-            let height = dot(&normal(points), &minus(point, &rational(points[0])));
-            let is_outside = if is_front {
-                height < Relaxed::ZERO
-            } else {
-                height > Relaxed::ZERO
-            };
-            if is_outside {
-                return false;
-            }
-            at = above;
-        }
-        true
-    }
-
-    /// The hit of the fragment, if it covers the ray's pixel. The ray is in the space of the tree.
-    fn cover(&self, seen: &Seen, ray: &Ray, frame: &RayFrame) -> Option<Hit> {
-        let fragment = &self.bsp.fragments()[seen.fragment as usize];
-        fragment.triangles.iter().find_map(|&number| {
-            let triangle = &self.bsp.triangles()[number as usize];
-            let t = frame.intersect(triangle)?;
-            let is_whole = fragment.piece.is_none();
-            (is_whole || self.is_in_cell(seen.fragment, &meeting(ray, triangle))).then(|| {
-                let (instance, triangle) = (self.names)(number);
-                Hit {
-                    t,
-                    instance,
-                    triangle,
-                }
-            })
-        })
-    }
-
-    /// What stays to be seen in the pixel: the last that is drawn.
-    fn paint(
-        &self,
-        scene: &Scene,
-        spaces: &TestSpaces,
-        ray: &Ray,
-        fronts_only: bool,
-    ) -> Option<Hit> {
-        let ray = match self.placed.instance {
-            Some((instance, _)) => spaces.test(scene, ray, instance, 0).0,
-            None => *ray,
-        };
-        let frame = RayFrame::new(&ray);
-        let drawn = self.order.iter().filter(|s| !(fronts_only && s.faces_away));
-        drawn.rev().find_map(|seen| self.cover(seen, &ray, &frame))
-    }
-}
-
-/// The first hit, or the first that is met from its front.
-fn trace(
-    scene: &Scene,
-    spaces: &TestSpaces,
-    accelerator: &dyn Accelerator,
-    ray: &Ray,
-) -> Option<Hit> {
-    let mut ray = *ray;
-    loop {
-        let hit = accelerator.closest_hit(&ray)?;
-        let (in_space, triangle) = spaces.test(scene, &ray, hit.instance, hit.triangle);
-        if is_from_the_front(&in_space, &triangle) {
-            return Some(hit);
-        }
-        ray = ray.behind(hit.t, (hit.instance, hit.triangle));
-    }
-}
 
 /// Pixels that met something, and those where two triangles were met at one `t` and another was drawn than traced.
 #[derive(Clone, Copy, Debug, Default)]
@@ -236,7 +85,7 @@ fn compare(
                     a.t.total_cmp(&b.t).then(key(a).cmp(&key(b)))
                 });
             let traced = if fronts_only {
-                trace(scene, &spaces, &*accelerator, &ray)
+                trace_fronts(scene, &spaces, &*accelerator, &ray)
             } else {
                 let hit = accelerator.closest_hit(&ray);
                 let pair = hit.map_or((u32::MAX, u32::MAX), |h| (h.instance, h.triangle));
