@@ -3,6 +3,7 @@
 //! Both follow the figures of the lecture's "BSP Trees (3)" to "(9)" and "3D BSP Trees". Lengths are in pixels of the drawing, y downwards. A fragment has
 //! the colour that it has in pictures of the integrator `fragment`; a cell of space has the same letters and tint in both drawings.
 
+mod half_plane;
 mod layout;
 mod plan;
 mod regions;

@@ -7,6 +7,7 @@ use glam::{DVec2, DVec3, Vec3};
 
 use super::super::tree::PolygonBsp;
 use super::cells;
+use super::half_plane::{HalfPlane, area};
 use crate::geometry::Triangle;
 
 /// Nodes of a tree whose regions are drawn. More cannot be read on one sheet.
@@ -117,37 +118,6 @@ impl Axis {
     }
 }
 
-/// A half of the plane: where `normal . (p - through)` is not negative.
-#[derive(Clone, Copy)]
-struct Half {
-    through: DVec2,
-    normal: DVec2,
-}
-
-impl Half {
-    fn height(&self, p: DVec2) -> f64 {
-        self.normal.dot(p - self.through)
-    }
-
-    /// The part of a convex region in this half, and where the line crosses its outline.
-    fn clip(&self, corners: &[DVec2]) -> (Vec<DVec2>, Vec<DVec2>) {
-        let (mut kept, mut crossings) = (Vec::new(), Vec::new());
-        for (i, &p) in corners.iter().enumerate() {
-            let q = corners[(i + 1) % corners.len()];
-            let (hp, hq) = (self.height(p), self.height(q));
-            if hp >= 0.0 {
-                kept.push(p);
-            }
-            if (hp >= 0.0) != (hq >= 0.0) {
-                let crossing = p + (q - p) * (hp / (hp - hq));
-                kept.push(crossing);
-                crossings.push(crossing);
-            }
-        }
-        (kept, crossings)
-    }
-}
-
 impl Plan {
     pub(super) fn of(tree: &PolygonBsp) -> Result<Self, PlanFault> {
         let nodes = tree.nodes.len();
@@ -202,11 +172,11 @@ impl Plan {
             let Some(plane) = node.plane() else { continue };
             let plane = tree.plane(plane);
             let normal = axis.across(plane.normal().0);
-            let front = Half {
+            let front = HalfPlane {
                 through: axis.across(plane.points()[0].as_dvec3()),
                 normal,
             };
-            let back = Half {
+            let back = HalfPlane {
                 normal: -normal,
                 ..front
             };
@@ -291,12 +261,78 @@ fn walls(tree: &PolygonBsp, axis: Axis) -> Vec<Wall> {
     walls
 }
 
-/// Of a convex region, counter-clockwise.
-pub(super) fn area(corners: &[DVec2]) -> f64 {
-    let next = corners.iter().cycle().skip(1);
-    0.5 * corners
-        .iter()
-        .zip(next)
-        .map(|(p, q)| p.perp_dot(*q))
-        .sum::<f64>()
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::accel::{BspOrder, BuildOptions};
+
+    /// Walls over the sides of a polygon in the plane, which stand on the axis that `to_space` makes of the third coordinate.
+    fn room(corners: &[[f32; 2]], to_space: impl Fn(Vec3) -> Vec3) -> PolygonBsp {
+        let mut triangles = Vec::new();
+        for (i, p) in corners.iter().enumerate() {
+            let q = corners[(i + 1) % corners.len()];
+            let at = |p: [f32; 2], h| to_space(Vec3::new(p[0], p[1], h));
+            // Two triangles of different heights, the second within the first's width.
+            triangles.push(Triangle::new(at(*p, 0.0), at(q, 0.0), at(q, 2.0)));
+            triangles.push(Triangle::new(at(*p, 3.0), at(*p, 1.0), at(q, 5.0)));
+        }
+        let options = BuildOptions {
+            order: BspOrder::File,
+            ..BuildOptions::default()
+        };
+        PolygonBsp::build(triangles, &[], &options)
+    }
+
+    const CORNERS: [[f32; 2]; 4] = [[0.0, 0.0], [3.0, 0.5], [2.5, 2.0], [-0.5, 1.5]];
+
+    #[test]
+    fn regions_tile_the_frame_whatever_axis_the_walls_stand_on() {
+        let turns: [fn(Vec3) -> Vec3; 3] = [
+            |p| p,
+            |p| Vec3::new(p.x, p.z, -p.y),
+            |p| Vec3::new(p.z, p.x, p.y),
+        ];
+        let mut frames = Vec::new();
+        for turn in turns {
+            let plan = Plan::of(&room(&CORNERS, turn)).unwrap();
+            let [min, max] = plan.frame;
+            let sum: f64 = plan.regions.iter().map(|r| area(&r.corners)).sum();
+            assert!((sum - (max - min).element_product()).abs() < 1e-9);
+            // Inside, and one beyond each wall; both triangles of a wall are one.
+            assert_eq!(
+                (plan.regions.len(), plan.walls.len(), plan.cuts.len()),
+                (5, 4, 4)
+            );
+            assert!(plan.walls.iter().all(|w| w.fragments.len() == 2));
+            let inside = DVec2::new(1.2, 1.0);
+            for wall in &plan.walls {
+                assert!(wall.normal.dot(inside - wall.from) < 0.0);
+            }
+            frames.push(plan.frame);
+        }
+        assert!(frames.windows(2).all(|f| f[0] == f[1]), "{frames:?}");
+    }
+
+    #[test]
+    fn a_wall_that_leans_by_the_least_is_none() {
+        let lean = |p: Vec3| {
+            if p.z < 2.0 || p.z > 2.0 {
+                p
+            } else {
+                Vec3::new(p.x.next_up(), p.y, p.z)
+            }
+        };
+        let fault = Plan::of(&room(&CORNERS, lean)).err();
+        assert_eq!(
+            fault,
+            Some(PlanFault::NoWall {
+                polygon: 0,
+                axis: 'z'
+            })
+        );
+        assert_eq!(
+            Plan::of(&PolygonBsp::default()).err(),
+            Some(PlanFault::Empty)
+        );
+    }
 }

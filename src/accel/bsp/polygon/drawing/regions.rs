@@ -19,8 +19,8 @@ const LABEL_HEIGHT: f64 = 18.0;
 const FEET: [f64; 7] = [0.5, 0.4, 0.6, 0.3, 0.7, 0.2, 0.8];
 /// Places that are tried for a region's letter, along each axis of its box.
 const TRIED: u32 = 24;
-/// Free room without which a region has no letter.
-const LEAST_ROOM: f64 = 6.0;
+/// Free room that a letter needs on all sides, large and small; without it a region has none.
+const LEAST_ROOM: [f64; 2] = [6.5, 4.5];
 /// Free room beyond which a letter rather stands in the middle of its region.
 const AMPLE_ROOM: f64 = 30.0;
 
@@ -72,6 +72,21 @@ impl Label {
 impl PolygonBsp {
     /// The plane as the tree divides it, as an SVG drawing with `title` above it: for trees of walls that stand on one axis, such as the lecture's eleven edges.
     ///
+    /// ```
+    /// use bspray::accel::{BspOrder, BuildOptions, bsp::polygon::{PlanFault, SceneTrees}};
+    /// # fn main() -> Result<(), Box<dyn std::error::Error>> {
+    /// let options = BuildOptions { order: BspOrder::File, ..BuildOptions::default() };
+    /// let edges = bspray::import::load(&["models/lecture-edges.obj".into()])?;
+    /// let drawing = SceneTrees::build(&edges, &options).trees()[0].bsp.draw_regions("eleven edges")?;
+    /// assert!(drawing.svg.contains(">9b</text>"));
+    /// // The caps of the block are no walls.
+    /// let block = bspray::import::load(&["models/lecture-block.obj".into()])?;
+    /// let fault = SceneTrees::build(&block, &options).trees()[0].bsp.draw_regions("the block");
+    /// assert_eq!(fault.err(), Some(PlanFault::NoWall { polygon: 6, axis: 'z' }));
+    /// # Ok(())
+    /// # }
+    /// ```
+    ///
     /// # Errors
     /// Where this makes no sense, or the tree is too large to be read.
     pub fn draw_regions(&self, title: &str) -> Result<Drawing, PlanFault> {
@@ -85,14 +100,6 @@ impl PolygonBsp {
             let p = (p - min) * scale;
             DVec2::new(left + p.x, HEAD + size.y - p.y)
         };
-        let hidden: Vec<String> = plan
-            .regions
-            .iter()
-            .filter(|r| r.corners.is_empty())
-            .map(|r| cell_name(r.cell))
-            .collect();
-        let note =
-            (!hidden.is_empty()).then(|| format!("Beyond the drawing: {}.", hidden.join(", ")));
         let mut sheet = Sheet::default();
         sheet.text("head", DVec2::new(MARGIN, 24.0), title);
         let words = "letters: regions, the cells of the tree; numbers: walls, arrows at their fronts; dashed: walls extended to lines";
@@ -119,9 +126,24 @@ impl PolygonBsp {
             sheet.line("wall", *from, *to);
         }
         let labels = self.draw_walls(&mut sheet, &plan.walls, &segments, &cuts);
+        let hidden = plan.regions.iter().filter(|r| r.corners.is_empty());
+        let hidden: Vec<String> = hidden.map(|r| cell_name(r.cell)).collect();
+        let mut narrow = Vec::new();
         for (region, corners) in &outlines {
-            draw_letter(&mut sheet, &cell_name(region.cell), corners, &labels);
+            let name = cell_name(region.cell);
+            if !draw_letter(&mut sheet, &name, corners, &labels) {
+                narrow.push(name);
+            }
         }
+        let notes = [
+            ("Beyond the drawing", hidden),
+            ("Too narrow for their letters", narrow),
+        ];
+        let told = notes.iter().filter(|(_, names)| !names.is_empty());
+        let told: Vec<String> = told
+            .map(|(what, names)| format!("{what}: {}.", names.join(", ")))
+            .collect();
+        let note = (!told.is_empty()).then(|| told.join(" "));
         let mut bottom = HEAD + size.y + MARGIN;
         if let Some(note) = &note {
             sheet.text("note", DVec2::new(MARGIN, bottom + 4.0), note);
@@ -176,8 +198,8 @@ fn draw_arrow(sheet: &mut Sheet, foot: DVec2, normal: DVec2) {
     sheet.polygon("head", &[tip, neck + side, neck - side], "#b2182b");
 }
 
-/// Writes a region's letter where it has most room, if it has any.
-fn draw_letter(sheet: &mut Sheet, name: &str, corners: &[DVec2], labels: &[Label]) {
+/// Writes a region's letter where it has most room. Whether there is enough.
+fn draw_letter(sheet: &mut Sheet, name: &str, corners: &[DVec2], labels: &[Label]) -> bool {
     let min = corners.iter().fold(DVec2::INFINITY, |a, &p| a.min(p));
     let max = corners.iter().fold(DVec2::NEG_INFINITY, |a, &p| a.max(p));
     let room = |p: DVec2| {
@@ -198,12 +220,11 @@ fn draw_letter(sheet: &mut Sheet, name: &str, corners: &[DVec2], labels: &[Label
     let middle = corners.iter().sum::<DVec2>() / corners.len().max(1) as f64;
     let value = |p: DVec2| room(p).min(AMPLE_ROOM) - 0.02 * p.distance(middle);
     let best = tried.max_by(|&p, &q| f64::total_cmp(&value(p), &value(q)));
-    if let Some(at) = best.filter(|&at| room(at) > LEAST_ROOM) {
-        let class = if room(at) > 1.6 * LEAST_ROOM {
-            "cell"
-        } else {
-            "small"
-        };
-        sheet.text(class, at, name);
+    let Some(at) = best else { return false };
+    let fits = |least: f64| room(at) > least * name.len() as f64;
+    let [large, small] = LEAST_ROOM;
+    if fits(small) {
+        sheet.text(if fits(large) { "cell" } else { "small" }, at, name);
     }
+    fits(small)
 }
