@@ -36,7 +36,10 @@ pub(super) struct InspectBspArgs {
 /// Nodes of a tree that is printed.
 const SHOWN_NODES: usize = 64;
 
-/// A file to be written: its option, its place, its content.
+/// Models that a drawing's title names.
+const MOST_TITLED: usize = 3;
+
+/// A file to be written: its place, its content, and what is not in it.
 struct Drawn<'a> {
     path: &'a Path,
     content: String,
@@ -129,7 +132,11 @@ fn draw<'a>(
         );
         bail!(UsageError(cause));
     };
-    let names: Vec<String> = models.iter().map(|m| name_of(m)).collect();
+    let mut names: Vec<String> = models.iter().map(|m| name_of(m)).collect();
+    if names.len() > MOST_TITLED {
+        let more = names.split_off(MOST_TITLED).len();
+        names.push(format!("{more} more"));
+    }
     let stats = tree.bsp.stats();
     let title = format!(
         "{}: {} polygons in {} fragments, order {}",

@@ -316,7 +316,7 @@ mod tests {
     #[test]
     fn a_wall_that_leans_by_the_least_is_none() {
         let lean = |p: Vec3| {
-            if p.z < 2.0 || p.z > 2.0 {
+            if p.z != 2.0 {
                 p
             } else {
                 Vec3::new(p.x.next_up(), p.y, p.z)
