@@ -154,8 +154,8 @@ pub(super) fn run(args: &RenderArgs) -> anyhow::Result<Done> {
     let load = started.elapsed().as_secs_f64();
     files::spare_inputs(outputs.iter().map(|(path, _)| path.as_path()), &scene)?;
     if !args.quiet {
-        tell("note", &scene.notes);
-        tell("dropped", &scene.defects);
+        output::tell("note", &scene.notes);
+        output::tell("dropped", &scene.defects);
     }
     let camera = args.camera.choose(&scene, args.resolution)?;
     let frame = camera
@@ -256,22 +256,6 @@ pub(super) fn run(args: &RenderArgs) -> anyhow::Result<Done> {
     } else {
         Done::Partially
     })
-}
-
-/// Notes or defects that are told one by one; `inspect` lists all.
-const TOLD: usize = 12;
-
-pub(super) fn tell(kind: &str, messages: &[impl std::fmt::Display]) {
-    messages
-        .iter()
-        .take(TOLD)
-        .for_each(|m| output::message(&format!("{kind}: {m}")));
-    if messages.len() > TOLD {
-        output::message(&format!(
-            "{kind}: {} more, which `bspray inspect` lists",
-            messages.len() - TOLD
-        ));
-    }
 }
 
 fn window(args: &RenderArgs) -> anyhow::Result<PixelRect> {

@@ -43,6 +43,19 @@ fn cells(tree: &PolygonBsp) -> HashMap<(u32, bool), u32> {
     cells
 }
 
+/// Fragments that are named in one place; of more, the number is told.
+const MOST_NAMES: usize = 4;
+
+/// Names of fragments that lie in one plane, as many as fit.
+fn short_names(tree: &PolygonBsp, fragments: &[u32]) -> String {
+    let named = fragments.iter().take(MOST_NAMES);
+    let mut names: Vec<String> = named.map(|&f| tree.name(f)).collect();
+    if fragments.len() > MOST_NAMES {
+        names.push(format!("+{}", fragments.len() - MOST_NAMES));
+    }
+    names.join(" ")
+}
+
 /// A to Z, then AA to ZZ.
 fn cell_name(cell: u32) -> String {
     letters(cell, b'A')

@@ -5,7 +5,7 @@ use glam::DVec2;
 use super::super::tree::PolygonBsp;
 use super::plan::{Plan, PlanFault, Region, Wall};
 use super::sheet::{Sheet, text_width};
-use super::{Drawing, cell_color, cell_name};
+use super::{Drawing, cell_color, cell_name, short_names};
 
 /// Of the longer edge of the plan.
 const EXTENT: f64 = 900.0;
@@ -65,7 +65,8 @@ impl Label {
 
     /// Whether the segment comes within a few pixels.
     fn is_crossed(&self, [p, q]: [DVec2; 2]) -> bool {
-        (0..=16).any(|i| self.distance(p.lerp(q, f64::from(i) / 16.0)) < 3.0)
+        let steps = (p.distance(q) / 3.0).ceil().max(1.0) as u32;
+        (0..=steps).any(|i| self.distance(p.lerp(q, f64::from(i) / f64::from(steps))) < 3.0)
     }
 }
 
@@ -166,8 +167,7 @@ impl PolygonBsp {
         let mut labels: Vec<Label> = Vec::new();
         for (wall, &[from, to]) in walls.iter().zip(segments) {
             let normal = DVec2::new(wall.normal.x, -wall.normal.y);
-            let names: Vec<String> = wall.fragments.iter().map(|&f| self.name(f)).collect();
-            let names = names.join(" ");
+            let names = short_names(self, &wall.fragments);
             let half = Label::new(DVec2::ZERO, &names).half;
             let away = normal * (ARROW + 3.0 + half.dot(normal.abs()));
             let feet = FEET.map(|share| from.lerp(to, share));
@@ -227,4 +227,18 @@ fn draw_letter(sheet: &mut Sheet, name: &str, corners: &[DVec2], labels: &[Label
         sheet.text(if fits(large) { "cell" } else { "small" }, at, name);
     }
     fits(small)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_long_line_across_a_label_is_noticed_and_one_beside_it_is_not() {
+        let label = Label::new(DVec2::new(300.0, 50.0), "1");
+        let across = |y: f64| [DVec2::new(0.0, y), DVec2::new(1000.0, y)];
+        assert!(label.is_crossed(across(50.0)) && label.is_crossed(across(60.0)));
+        assert!(!label.is_crossed(across(70.0)));
+        assert!(label.distance(label.at) < 0.0);
+    }
 }

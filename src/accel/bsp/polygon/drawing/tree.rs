@@ -7,7 +7,7 @@ use glam::DVec2;
 use super::super::tree::PolygonBsp;
 use super::layout::{Item, place};
 use super::sheet::{Sheet, text_width};
-use super::{Drawing, cell_color, cell_name, cells, fragment_color};
+use super::{Drawing, cell_color, cell_name, cells, fragment_color, short_names};
 
 /// Nodes and levels of a drawing, and its width in pixels. More cannot be read on one sheet.
 const MOST_NODES: usize = 400;
@@ -16,9 +16,6 @@ const MOST_WIDTH: f64 = 4000.0;
 
 /// Nodes of a tree whose cells of space are drawn, too.
 const MOST_WITH_CELLS: usize = 64;
-
-/// Fragments that are named in a node; of more, which lie in one plane, the number is told.
-const MOST_NAMES: usize = 4;
 
 const LEVEL_HEIGHT: f64 = 64.0;
 const BOX_HEIGHT: f64 = 28.0;
@@ -225,17 +222,8 @@ impl PolygonBsp {
     }
 
     fn short_label(&self, node: u32) -> String {
-        let node = &self.nodes[node as usize];
-        let fragments = node.fragments();
-        let mut names: Vec<String> = fragments
-            .clone()
-            .take(MOST_NAMES)
-            .map(|f| self.name(f))
-            .collect();
-        if fragments.len() > MOST_NAMES {
-            names.push(format!("+{}", fragments.len() - MOST_NAMES));
-        }
-        names.join(" ")
+        let fragments: Vec<u32> = self.nodes[node as usize].fragments().collect();
+        short_names(self, &fragments)
     }
 }
 
