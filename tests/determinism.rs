@@ -14,16 +14,18 @@ use bspray::render::{
 };
 use bspray::scene::{AlphaMode, Camera, Image, Material, Pixels, Projection, Scene, Texture};
 use glam::{Vec3, Vec4};
-use scenes::{film, level, options, point_light, quad};
+use scenes::{film, level, options, point_light, quad, trees};
 
 /// Not a multiple of a tile's edge, and six tiles.
 const SIZE: (u32, u32) = (75, 41);
 
-const INTEGRATORS: [Integrator; 4] = [
+const INTEGRATORS: [Integrator; 6] = [
     Integrator::Direct,
     Integrator::Ao { distance: 1.5 },
     Integrator::Normals,
     Integrator::Facing,
+    Integrator::Fragment,
+    Integrator::BspDepth,
 ];
 
 /// Everything that can be seen of a pixel, as bits.
@@ -36,6 +38,8 @@ fn pixel_bits(sum: &PixelSum, first: Option<&FirstHit>) -> Bits {
     seen.extend([sum.alpha.to_bits(), sum.samples]);
     let first = first.map(|f| {
         let mut bits = vec![f.hit.instance, f.hit.triangle, f.material];
+        let fragment = f.fragment.map(|f| [f.number, f.depth]);
+        bits.extend(fragment.into_iter().flatten());
         bits.extend([f.hit.t, f.depth, f.distance, f.uv.x, f.uv.y].map(f32::to_bits));
         for v in [f.position, f.shading_normal, f.geometric_normal, f.albedo] {
             bits.extend(vector(v));
@@ -231,7 +235,8 @@ fn another_seed_gives_other_pixels() {
 /// The sums of the first samples of every pixel, one after the other.
 fn prefix(scene: &Scene, options: &RenderOptions, samples: impl Fn(usize) -> u32) -> Vec<Vec<u32>> {
     let accelerator = AcceleratorKind::Bvh2.build(scene);
-    let stage = Stage::new(scene, &*accelerator, Vec3::Y, SkyMode::On);
+    let trees = trees(scene, options);
+    let stage = Stage::new(scene, &*accelerator, Vec3::Y, SkyMode::On).with_trees(trees.as_ref());
     let camera = scene.cameras[0].frame(SIZE.0, SIZE.1).expect("a camera");
     let pixel = PixelRenderer {
         stage: &stage,
@@ -289,7 +294,9 @@ impl Observer for StopAfter {
 fn a_render_that_is_stopped_has_whole_samples_in_their_order() {
     for_all(8, |name, scene, options| {
         let accelerator = AcceleratorKind::Bvh2.build(scene);
-        let stage = Stage::new(scene, &*accelerator, Vec3::Y, SkyMode::On);
+        let trees = trees(scene, options);
+        let stage =
+            Stage::new(scene, &*accelerator, Vec3::Y, SkyMode::On).with_trees(trees.as_ref());
         let camera = scene.cameras[0].frame(SIZE.0, SIZE.1).expect("a camera");
         let pixels = u64::from(SIZE.0 * SIZE.1);
         let observer = StopAfter {

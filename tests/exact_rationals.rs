@@ -11,6 +11,8 @@
 
 #[path = "support/random.rs"]
 mod random;
+#[path = "support/rational.rs"]
+mod rational;
 
 use std::cmp::Ordering;
 
@@ -19,6 +21,7 @@ use dashu_int::IBig;
 use dashu_ratio::Relaxed;
 use glam::Vec3;
 use random::Random;
+use rational::{Rationals, dot, minus, number, plane_normal, rational};
 use rayon::prelude::*;
 
 const CASES: u64 = 100_000;
@@ -30,33 +33,6 @@ struct Case {
 }
 
 // ---------------------------------------------------------------------------------------------- rational truth
-
-type Rationals = [Relaxed; 3];
-
-fn number(x: f32) -> Relaxed {
-    Relaxed::try_from(x).expect("finite")
-}
-
-fn rational(v: Vec3) -> Rationals {
-    v.to_array().map(number)
-}
-
-fn minus(a: &Rationals, b: &Rationals) -> Rationals {
-    std::array::from_fn(|i| &a[i] - &b[i])
-}
-
-fn dot(a: &Rationals, b: &Rationals) -> Relaxed {
-    &a[0] * &b[0] + &a[1] * &b[1] + &a[2] * &b[2]
-}
-
-fn plane_normal(triangle: &Triangle) -> Rationals {
-    let [a, b, c] = triangle.corners().map(rational);
-    let [p, q] = [minus(&b, &a), minus(&c, &a)];
-    std::array::from_fn(|i| {
-        let [j, k] = [(i + 1) % 3, (i + 2) % 3];
-        &p[j] * &q[k] - &p[k] * &q[j]
-    })
-}
 
 /// Where the line meets the triangle: `t` and the weights of the second and third corner. `None` for a miss.
 fn meeting(ray: &Ray, triangle: &Triangle) -> Option<(Relaxed, Relaxed, Relaxed)> {

@@ -18,8 +18,8 @@ struct Golden {
     model: &'static str,
     /// Arguments beside those of all.
     args: &'static [&'static str],
-    /// Whether the reference has all layers, or those of the integrator alone.
-    has_all_layers: bool,
+    /// Layers of the reference; empty for all but `cost`.
+    layers: &'static [&'static str],
 }
 
 /// Arguments of every golden picture.
@@ -38,23 +38,30 @@ const OBJECTS: [&str; 4] = [
     "--camera-view-angle=46",
 ];
 
-const GOLDEN: [Golden; 6] = [
+const COLOR: [&str; 4] = ["R", "G", "B", "A"];
+
+/// Colour, and the partition by the polygon BSP.
+const PARTITION: [&str; 6] = ["R", "G", "B", "A", "fragment", "bsp-depth"];
+
+const BLOCK: [&str; 4] = [
+    "--camera-position=3.7,3.1,4.5",
+    "--camera-focal-point=1,0.9,0.5",
+    "--camera-view-up=0,1,0",
+    "--camera-view-angle=30",
+];
+
+const GOLDEN: [Golden; 8] = [
     Golden {
         name: "lecture-block",
         model: "lecture-block.obj",
-        args: &[
-            "--camera-position=3.7,3.1,4.5",
-            "--camera-focal-point=1,0.9,0.5",
-            "--camera-view-up=0,1,0",
-            "--camera-view-angle=30",
-        ],
-        has_all_layers: true,
+        args: &BLOCK,
+        layers: &[],
     },
     Golden {
         name: "lecture-objects",
         model: "lecture-objects.gltf",
         args: &OBJECTS,
-        has_all_layers: true,
+        layers: &[],
     },
     Golden {
         name: "cornell-box",
@@ -65,7 +72,7 @@ const GOLDEN: [Golden; 6] = [
             "--camera-view-up=0,1,0",
             "--camera-view-angle=39.3",
         ],
-        has_all_layers: true,
+        layers: &[],
     },
     Golden {
         name: "lecture-objects-ao",
@@ -78,7 +85,7 @@ const GOLDEN: [Golden; 6] = [
             "--integrator=ao",
             "--ao-distance=2",
         ],
-        has_all_layers: false,
+        layers: &COLOR,
     },
     Golden {
         name: "lecture-objects-normals",
@@ -90,7 +97,7 @@ const GOLDEN: [Golden; 6] = [
             OBJECTS[3],
             "--integrator=normals",
         ],
-        has_all_layers: false,
+        layers: &COLOR,
     },
     Golden {
         name: "lecture-objects-facing",
@@ -102,7 +109,33 @@ const GOLDEN: [Golden; 6] = [
             OBJECTS[3],
             "--integrator=facing",
         ],
-        has_all_layers: false,
+        layers: &COLOR,
+    },
+    Golden {
+        name: "lecture-block-fragment",
+        model: "lecture-block.obj",
+        args: &[
+            BLOCK[0],
+            BLOCK[1],
+            BLOCK[2],
+            BLOCK[3],
+            "--integrator=fragment",
+            "--bsp-order=file",
+        ],
+        layers: &PARTITION,
+    },
+    Golden {
+        name: "lecture-objects-bsp-depth",
+        model: "lecture-objects.gltf",
+        args: &[
+            OBJECTS[0],
+            OBJECTS[1],
+            OBJECTS[2],
+            OBJECTS[3],
+            "--integrator=bsp-depth",
+            "--bsp-merge",
+        ],
+        layers: &PARTITION,
     },
 ];
 
@@ -131,7 +164,7 @@ impl Golden {
         let mut picture = exr::read(&folder.path().join("picture.exr")).expect("an EXR file");
         picture.channels.retain(|channel| {
             let layer = channel.name.split('.').next().unwrap_or_default();
-            layer != "cost" && (self.has_all_layers || ["R", "G", "B", "A"].contains(&layer))
+            layer != "cost" && (self.layers.is_empty() || self.layers.contains(&layer))
         });
         // How to make it again.
         let command = [&["bspray render", self.model][..], &ARGS, self.args].concat();

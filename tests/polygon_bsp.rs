@@ -3,15 +3,17 @@
 #[path = "support/random.rs"]
 #[allow(dead_code, reason = "shared by several tests")]
 mod random;
-
-use std::path::Path;
+#[path = "support/soup.rs"]
+#[allow(dead_code, reason = "shared by several tests")]
+mod soup;
 
 use bspray::accel::bsp::polygon::{PolygonBsp, SceneTrees};
 use bspray::accel::{AcceleratorKind, BspOrder, BuildOptions};
 use bspray::geometry::{Ray, Triangle};
 use bspray::scene::{Instance, Outline, Part, Scene, TriangleMesh};
-use glam::{DAffine3, DVec3, Vec2, Vec3};
+use glam::{DAffine3, DVec3, Vec3};
 use random::Random;
+use soup::{scene_of, tangle};
 
 fn options(order: BspOrder, merges_coplanar: bool) -> BuildOptions {
     BuildOptions {
@@ -26,37 +28,16 @@ fn quad([a, b, c, d]: [Vec3; 4]) -> [Triangle; 2] {
     [Triangle::new(a, b, c), Triangle::new(a, c, d)]
 }
 
-/// Runs of two triangles.
-fn pairs(count: usize) -> Vec<(u32, u32)> {
-    (0..count as u32).map(|i| (2 * i, 2)).collect()
-}
-
-/// Edges of polygons in the plane, as walls from z = 0 to 1. Corners counter-clockwise, so that normals point outwards.
-fn walls(polygons: &[&[[f32; 2]]]) -> Vec<Triangle> {
-    let mut triangles = Vec::new();
-    for corners in polygons {
-        for (i, p) in corners.iter().enumerate() {
-            let q = corners[(i + 1) % corners.len()];
-            let at = |p: [f32; 2], z| Vec2::from_array(p).extend(z);
-            triangles.extend(quad([at(*p, 0.0), at(q, 0.0), at(q, 1.0), at(*p, 1.0)]));
-        }
-    }
-    triangles
-}
-
-/// The lecture's "BSP Trees (3)" to "(9)": eleven edges of three polygons.
-fn eleven_edges() -> PolygonBsp {
-    let triangles = walls(&[
-        &[[0.0, 0.0], [0.0, 4.0], [-2.0, 4.0], [-2.0, 0.0]],
-        &[[5.0, 2.0], [2.0, 2.0], [3.0, 0.0]],
-        &[[8.5, 4.5], [7.0, 4.0], [7.5, 1.0], [9.0, 2.0]],
-    ]);
-    PolygonBsp::build(triangles, &pairs(11), &options(BspOrder::File, false))
+/// A model of this repository.
+fn model(name: &str) -> Scene {
+    let path = format!("{}/models/{name}.obj", env!("CARGO_MANIFEST_DIR"));
+    bspray::import::load(&[path.into()]).expect("a model of this repository")
 }
 
 #[test]
 fn eleven_edges_make_the_tree_of_the_lecture() {
-    let tree = eleven_edges();
+    let trees = SceneTrees::build(&model("lecture-edges"), &options(BspOrder::File, false));
+    let tree = &trees.trees()[0].bsp;
     tree.validate().unwrap();
     let lines: Vec<String> = tree.to_string().lines().map(str::to_owned).collect();
     let expected = [
@@ -78,14 +59,9 @@ fn eleven_edges_make_the_tree_of_the_lecture() {
     assert!(dot.contains("label=\"9a\"") && dot.matches("->").count() == 11);
 }
 
-fn block() -> Scene {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("models/lecture-block.obj");
-    bspray::import::load(&[path]).expect("the block of this repository")
-}
-
 #[test]
 fn the_block_is_seen_in_the_orders_of_the_lecture() {
-    let trees = SceneTrees::build(&block(), &options(BspOrder::File, false));
+    let trees = SceneTrees::build(&model("lecture-block"), &options(BspOrder::File, false));
     let tree = &trees.trees()[0].bsp;
     tree.validate().unwrap();
     let stats = tree.stats();
@@ -116,83 +92,6 @@ fn the_block_is_seen_in_the_orders_of_the_lecture() {
         seen(DVec3::new(3.0, 3.0, -1.0)),
         ("1 4 8b 7b 3 5 8a 7a 6 2".to_owned(), "7b 7a 6 2".to_owned())
     );
-}
-
-/// The nearest drawn fragment along a ray is the one that the ray hits.
-#[test]
-fn the_painters_picture_of_the_block_is_the_traced_one() {
-    let scene = block();
-    let trees = SceneTrees::build(&scene, &options(BspOrder::File, false));
-    let tree = &trees.trees()[0].bsp;
-    let accelerator = AcceleratorKind::BspPolygon.build(&scene);
-    let mut random = Random::new(31, 0);
-    let mut hits = 0;
-    for eye in [Vec3::new(0.5, 3.0, 2.0), Vec3::new(3.0, 3.0, -1.0)] {
-        let order = tree.front_to_back(eye.as_dvec3());
-        for _ in 0..200 {
-            let target = Vec3::new(
-                random.unit() as f32 * 2.0,
-                random.unit() as f32 * 2.0,
-                random.unit() as f32,
-            );
-            let ray = Ray::new(eye, target - eye);
-            let frame = bspray::geometry::RayFrame::new(&ray);
-            // The first in the order that covers the pixel: the only one that the painter leaves to see.
-            let painted = order.iter().find(|s| {
-                let point = |t: f32| ray.at(t).as_dvec3();
-                tree.fragments()[s.fragment as usize]
-                    .triangles
-                    .iter()
-                    .any(|&t| {
-                        frame
-                            .intersect(&tree.triangles()[t as usize])
-                            .is_some_and(|depth| {
-                                tree.locate(t, point(depth)).map(|l| l.0) == Some(s.fragment)
-                            })
-                    })
-            });
-            let traced = accelerator.closest_hit(&ray).map(|hit| {
-                trees
-                    .locate(&hit, ray.at(hit.t).as_dvec3())
-                    .unwrap()
-                    .fragment
-            });
-            assert_eq!(painted.map(|s| s.fragment), traced, "{ray:?}");
-            hits += usize::from(traced.is_some());
-        }
-    }
-    assert!(hits > 200, "{hits}");
-}
-
-fn scene_of(triangles: &[Triangle]) -> Scene {
-    let positions = triangles.iter().flat_map(|t| *t.corners()).collect();
-    let count = triangles.len() as u32;
-    let mesh = TriangleMesh {
-        positions,
-        triangles: (0..count).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect(),
-        parts: vec![Part {
-            first_triangle: 0,
-            triangle_count: count,
-            material: 0,
-        }],
-        ..TriangleMesh::default()
-    };
-    Scene {
-        meshes: vec![mesh],
-        instances: vec![Instance::new("", 0, DAffine3::IDENTITY)],
-        ..Scene::default()
-    }
-}
-
-/// Random triangles on a small grid, so that much touches, is coplanar or coincides.
-fn tangle(random: &mut Random, count: usize) -> Vec<Triangle> {
-    let mut point = |_| Vec3::from_array([0; 3].map(|_| random.integer(0, 5) as f32));
-    (0..count)
-        .map(|_| {
-            let [a, b, c] = [0; 3].map(&mut point);
-            Triangle::new(a, b, c)
-        })
-        .collect()
 }
 
 #[test]

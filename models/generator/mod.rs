@@ -3,6 +3,7 @@
 mod cornell_box;
 mod gltf;
 mod lecture_block;
+mod lecture_edges;
 mod lecture_objects;
 mod malformed;
 mod shapes;
@@ -44,6 +45,7 @@ f 1 2 3 4 5 6 7 8
 pub(crate) fn files() -> io::Result<Vec<GeneratedFile>> {
     let mut files = vec![
         GeneratedFile::new("lecture-block.obj", lecture_block::obj()),
+        GeneratedFile::new("lecture-edges.obj", lecture_edges::obj()),
         GeneratedFile::new("lecture-objects.gltf", lecture_objects::gltf()?),
         GeneratedFile::new("concave.obj", CONCAVE),
         GeneratedFile::new("cornell-box.obj", cornell_box::obj()),

@@ -13,6 +13,7 @@ mod counters;
 mod hit;
 mod instances;
 mod linear;
+mod names;
 mod normalized;
 
 pub use bake::TestSpaces;

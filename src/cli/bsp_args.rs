@@ -1,6 +1,6 @@
 //! Arguments for how a BSP is built, and the report on the polygon tree in all its orders.
 
-use bspray::accel::bsp::polygon::SceneTrees;
+use bspray::accel::bsp::polygon::{SceneTrees, TreeStats};
 use bspray::accel::{BspOrder, BspQuality, BuildOptions};
 use bspray::scene::Scene;
 use clap::Args;
@@ -49,14 +49,28 @@ fn order(text: &str) -> Result<BspOrder, String> {
     one_of(BspOrder::ALL, BspOrder::name, text)
 }
 
+/// What the trees are that a picture shows, in one line.
+pub(super) fn describe(trees: &SceneTrees) -> String {
+    let all: Vec<_> = trees.trees().iter().map(|t| t.bsp.stats()).collect();
+    let count = |of: fn(&TreeStats) -> u64| all.iter().map(of).sum::<u64>();
+    let undivided = match count(|s| s.unsplit) {
+        0 => String::new(),
+        fragments => format!(", {fragments} of them in undivided cells"),
+    };
+    format!(
+        "polygon BSP: {} fragments of {} polygons{undivided}; depth from 0 (violet) to {} (yellow), in equal steps for each doubling",
+        count(|s| s.fragments),
+        count(|s| s.polygons),
+        trees.depth().saturating_sub(1)
+    )
+}
+
 /// The polygon trees of the scene, sums over them, in every order.
 pub(super) fn orders(scene: &Scene, options: &BuildOptions) -> Value {
     let rows = BspOrder::ALL.map(|order| {
         let trees = SceneTrees::build(scene, &BuildOptions { order, ..*options });
         let all: Vec<_> = trees.trees().iter().map(|t| t.bsp.stats()).collect();
-        let sum = |count: fn(&bspray::accel::bsp::polygon::TreeStats) -> u64| -> u64 {
-            all.iter().map(count).sum()
-        };
+        let sum = |count: fn(&TreeStats) -> u64| -> u64 { all.iter().map(count).sum() };
         let (fragments, polygons) = (sum(|s| s.fragments), sum(|s| s.polygons));
         // A tree's mean counts by its size.
         let depths: f64 = all.iter().map(|s| s.mean_leaf_depth * s.nodes as f64).sum();

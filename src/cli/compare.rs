@@ -58,8 +58,8 @@ pub(super) fn run(args: &CompareArgs) -> anyhow::Result<Done> {
     let options = options(args)?;
     let scene = bspray::import::load(&args.models)?;
     if !args.quiet {
-        render::tell("note", &scene.notes);
-        render::tell("dropped", &scene.defects);
+        output::tell("note", &scene.notes);
+        output::tell("dropped", &scene.defects);
     }
     let camera = args.camera.choose(&scene, args.resolution)?;
     let frame = camera

@@ -1,19 +1,15 @@
 //! `bspray inspect`: what model files hold.
 
 use std::fmt::Write;
-use std::io::Write as _;
 use std::path::PathBuf;
 
-use anyhow::Context;
-use bspray::accel::bsp::polygon::SceneTrees;
-use bspray::picture::replace_file;
 use bspray::scene::{AlphaMode, LightKind, Material, Projection, Scene};
 use clap::Args;
 use serde_json::{Value, json};
 
-use super::bsp_args::{self, BspArgs};
+use super::inspect_bsp::{self, InspectBspArgs};
 use super::numbers::{number, numbers};
-use super::{Done, UsageError, output};
+use super::{Done, output};
 
 /// Arguments of `bspray inspect`.
 #[derive(Args, Debug)]
@@ -24,27 +20,19 @@ pub(super) struct InspectArgs {
     /// Print one JSON object
     #[arg(long)]
     json: bool,
-    /// Tell of the polygon BSP instead: its size in every order, and the tree if it is small
-    #[arg(long)]
-    bsp: bool,
-    /// With --bsp: write the tree in Graphviz's language
-    #[arg(long, value_name = "FILE", requires = "bsp")]
-    dot: Option<PathBuf>,
     #[command(flatten)]
-    how: BspArgs,
+    bsp: InspectBspArgs,
 }
-
-/// Nodes of a tree that is printed.
-const SHOWN_NODES: usize = 64;
 
 /// Rows of a list that are shown without `--json`.
 const SHOWN_ROWS: usize = 40;
 
 /// Loads and tells.
 pub(super) fn run(args: &InspectArgs) -> anyhow::Result<Done> {
+    args.bsp.check_files()?;
     let scene = bspray::import::load(&args.models)?;
-    if args.bsp {
-        return run_bsp(&scene, args);
+    if args.bsp.bsp {
+        return inspect_bsp::run(&scene, &args.models, &args.bsp, args.json);
     }
     let report = report(&scene, &args.models);
     output::result(&if args.json {
@@ -52,37 +40,6 @@ pub(super) fn run(args: &InspectArgs) -> anyhow::Result<Done> {
     } else {
         text(&report)
     })?;
-    Ok(Done::Completely)
-}
-
-fn run_bsp(scene: &Scene, args: &InspectArgs) -> anyhow::Result<Done> {
-    let options = args.how.options(0);
-    let rows = bsp_args::orders(scene, &options);
-    let trees = SceneTrees::build(scene, &options);
-    if let Some(path) = &args.dot {
-        let mut dots = trees.trees().iter().map(|t| t.bsp.to_dot());
-        let (Some(dot), None) = (dots.next(), dots.next()) else {
-            let words = "--dot: the models have no tree, or several: meshes that are placed more than once have their own";
-            return Err(UsageError(words.to_owned()).into());
-        };
-        replace_file(path, |file| file.write_all(dot.as_bytes()))
-            .with_context(|| path.display().to_string())?;
-    }
-    if args.json {
-        let report = json!({ "orders": rows, "shown": args.how.bsp_order.name(),
-            "trees": trees.trees().iter().map(|t| t.bsp.to_string()).collect::<Vec<_>>() });
-        output::result(&format!("{report:#}"))?;
-        return Ok(Done::Completely);
-    }
-    let mut text = bsp_args::table(&rows);
-    for tree in trees.trees() {
-        let nodes = tree.bsp.nodes().len();
-        let order = args.how.bsp_order;
-        if nodes <= SHOWN_NODES {
-            let _ = write!(text, "\n{order}:\n{}", tree.bsp);
-        }
-    }
-    output::result(&text)?;
     Ok(Done::Completely)
 }
 

@@ -26,6 +26,23 @@ pub(super) fn message(text: &str) {
     let _ = writeln!(std::io::stderr().lock(), "{text}");
 }
 
+/// Notes or defects that are told one by one; `inspect` lists all.
+const TOLD: usize = 12;
+
+/// Tells notes or defects, a line each, as many as a reader wants.
+pub(super) fn tell(kind: &str, messages: &[impl std::fmt::Display]) {
+    messages
+        .iter()
+        .take(TOLD)
+        .for_each(|m| message(&format!("{kind}: {m}")));
+    if messages.len() > TOLD {
+        message(&format!(
+            "{kind}: {} more, which `bspray inspect` lists",
+            messages.len() - TOLD
+        ));
+    }
+}
+
 /// Writes an error with its causes as one line to standard error. A cause that the words before it end with already is not
 /// said again: errors of files cite the system's.
 pub(super) fn error(error: &anyhow::Error) {

@@ -91,9 +91,24 @@ fn describe(stage: &Stage, traced: &TracedRay) -> Value {
                 "offset": number(surface.offset),
                 "exact": verdict(stage, ray, &surface),
             });
+            if let Some(fragment) = fragment(stage, &surface) {
+                value["hit"]["fragment"] = fragment;
+            }
         }
     }
     value
+}
+
+/// Where in the polygon BSP the hit is, if there is one.
+fn fragment(stage: &Stage, surface: &Surface) -> Option<Value> {
+    let trees = stage.trees?;
+    let located = trees.locate(&surface.hit, surface.position.as_dvec3())?;
+    Some(json!({
+        "name": trees.trees()[located.tree as usize].bsp.name(located.fragment),
+        "number": trees.fragment_number(&located),
+        "tree": located.tree,
+        "bsp_depth": located.depth,
+    }))
 }
 
 /// What exact arithmetic says of the hit, in the space in which its triangle is tested.

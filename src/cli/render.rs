@@ -1,10 +1,11 @@
 //! `bspray render`: models in, pictures and measurements out.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::time::Instant;
 
 use anyhow::{Context, bail};
 use bspray::accel::AcceleratorKind;
+use bspray::accel::bsp::polygon::SceneTrees;
 use bspray::picture::{Raster, RasterPixels, ToneMap, exposure_factor, exr, ldr, srgb};
 use bspray::render::{
     self, Film, Integrator, PixelFilter, PixelRect, RenderOptions, SkyMode, Stage,
@@ -12,8 +13,9 @@ use bspray::render::{
 use bspray::scene::Scene;
 use clap::{Args, ValueEnum};
 
-use super::bsp_args::BspArgs;
+use super::bsp_args::{self, BspArgs};
 use super::camera_args::{self, CameraArgs};
+use super::files::{self, OutputKind};
 use super::summary::{RenderSummary, Seconds};
 use super::values::{self, CropWindow, PixelBounds};
 use super::{Done, UsageError, metadata, output, pixel, progress};
@@ -48,6 +50,9 @@ pub(super) struct RenderArgs {
     /// How colours come about
     #[arg(long, value_enum, value_name = "NAME", default_value_t = IntegratorName::Direct)]
     integrator: IntegratorName,
+    /// Add the layers `fragment` and `bsp-depth` of the polygon BSP to .exr files; their integrators do so anyway
+    #[arg(long)]
+    bsp_layers: bool,
     /// How far an ambient-occlusion ray must get, in model units [default: a tenth of the scene's diagonal]
     #[arg(long, value_name = "LENGTH", value_parser = values::positive)]
     ao_distance: Option<f32>,
@@ -108,6 +113,10 @@ enum IntegratorName {
     Normals,
     /// Grey where a front faces the eye, red where a back does
     Facing,
+    /// A colour for each fragment of the polygon BSP (--bsp-order, --bsp-merge)
+    Fragment,
+    /// How deep in the polygon BSP a fragment is: violet for the root, yellow for the deepest node
+    BspDepth,
 }
 
 #[derive(Clone, Copy, Debug, ValueEnum)]
@@ -132,16 +141,21 @@ pub(super) fn accelerator_help(purpose: &str) -> String {
 /// Renders.
 pub(super) fn run(args: &RenderArgs) -> anyhow::Result<Done> {
     progress::handle_signals()?;
-    let outputs = outputs(args)?;
+    let outputs = files::outputs(&args.output, &args.models, args.pixel.is_some())?;
+    let has_layers = outputs.iter().any(|(_, kind)| *kind == OutputKind::Exr);
+    if args.bsp_layers && !has_layers && args.pixel.is_none() {
+        let words = "--bsp-layers: only .exr files have layers: add one with --output";
+        bail!(UsageError(words.to_owned()));
+    }
     let window = window(args)?;
 
     let started = Instant::now();
     let scene = bspray::import::load(&args.models)?;
     let load = started.elapsed().as_secs_f64();
-    spare_inputs(&outputs, &scene)?;
+    files::spare_inputs(outputs.iter().map(|(path, _)| path.as_path()), &scene)?;
     if !args.quiet {
-        tell("note", &scene.notes);
-        tell("dropped", &scene.defects);
+        output::tell("note", &scene.notes);
+        output::tell("dropped", &scene.defects);
     }
     let camera = args.camera.choose(&scene, args.resolution)?;
     let frame = camera
@@ -157,27 +171,31 @@ pub(super) fn run(args: &RenderArgs) -> anyhow::Result<Done> {
         .build()
         .context("cannot start threads")?;
     let started = Instant::now();
-    let accelerator = pool.install(|| {
-        let options = args.bsp.options(args.seed);
-        args.accel.build_with(&scene, &options)
-    });
+    let build_options = args.bsp.options(args.seed);
+    let accelerator = pool.install(|| args.accel.build_with(&scene, &build_options));
+    let integrator = integrator(args, &scene);
+    let shows_trees = integrator.shows_trees() || args.bsp_layers;
+    let trees = shows_trees.then(|| SceneTrees::build(&scene, &build_options));
     let build = started.elapsed().as_secs_f64();
-    let stage = Stage::new(&scene, &*accelerator, args.camera.up(), sky_mode(args.sky));
-    let wants_layers = outputs
-        .iter()
-        .any(|(_, kind)| matches!(kind, OutputKind::Exr));
+    let stage = Stage::new(&scene, &*accelerator, args.camera.up(), sky_mode(args.sky))
+        .with_trees(trees.as_ref());
+    if let Some(trees) = &trees
+        && !args.quiet
+    {
+        output::message(&bsp_args::describe(trees));
+    }
     let options = RenderOptions {
         size: args.resolution,
         window,
         samples: args.spp,
         seed: args.seed,
-        integrator: integrator(args, &stage),
+        integrator,
         filter: match args.filter {
             FilterName::Box => PixelFilter::Box,
             FilterName::BlackmanHarris => PixelFilter::BlackmanHarris,
         },
-        counts_cost: wants_layers || args.stats || args.json,
-        wants_first_hits: wants_layers,
+        counts_cost: has_layers || args.stats || args.json,
+        wants_first_hits: has_layers,
     };
     if let Some(place) = args.pixel {
         return pixel::run(&stage, &frame, &options, place, args.json);
@@ -240,122 +258,6 @@ pub(super) fn run(args: &RenderArgs) -> anyhow::Result<Done> {
     })
 }
 
-/// Notes or defects that are told one by one; `inspect` lists all.
-const TOLD: usize = 12;
-
-pub(super) fn tell(kind: &str, messages: &[impl std::fmt::Display]) {
-    messages
-        .iter()
-        .take(TOLD)
-        .for_each(|m| output::message(&format!("{kind}: {m}")));
-    if messages.len() > TOLD {
-        output::message(&format!(
-            "{kind}: {} more, which `bspray inspect` lists",
-            messages.len() - TOLD
-        ));
-    }
-}
-
-enum OutputKind {
-    Exr,
-    Display,
-}
-
-/// The outputs and what they are, known to be possible before anything is rendered.
-fn outputs(args: &RenderArgs) -> anyhow::Result<Vec<(PathBuf, OutputKind)>> {
-    if args.pixel.is_some() {
-        if args.output.is_empty() {
-            return Ok(Vec::new());
-        }
-        bail!(UsageError(
-            "--pixel prints a report and writes no picture: leave --output out".to_owned()
-        ));
-    }
-    let paths = if args.output.is_empty() {
-        // Not `with_extension`, which would take "v2" from "scan.v2".
-        let mut name = args.models[0]
-            .file_stem()
-            .unwrap_or("picture".as_ref())
-            .to_owned();
-        name.push(".png");
-        vec![PathBuf::from(name)]
-    } else {
-        args.output.clone()
-    };
-    let mut outputs: Vec<(PathBuf, OutputKind)> = Vec::new();
-    for path in paths {
-        let is_exr = path
-            .extension()
-            .is_some_and(|e| e.eq_ignore_ascii_case("exr"));
-        if !is_exr {
-            ldr::LdrFormat::of_path(&path).map_err(|e| UsageError(e.to_string()))?;
-        }
-        if outputs.iter().any(|(other, _)| *other == path) {
-            bail!(UsageError(format!(
-                "{}: is named twice as an output",
-                path.display()
-            )));
-        }
-        check_writable(&path)?;
-        outputs.push((
-            path,
-            if is_exr {
-                OutputKind::Exr
-            } else {
-                OutputKind::Display
-            },
-        ));
-    }
-    Ok(outputs)
-}
-
-/// Finds out before a long render what would keep its picture from being written.
-fn check_writable(path: &Path) -> anyhow::Result<()> {
-    if path.is_dir() {
-        bail!("{}: is a directory", path.display());
-    }
-    let folder = path
-        .parent()
-        .filter(|p| !p.as_os_str().is_empty())
-        .unwrap_or(Path::new("."));
-    if !folder.is_dir() {
-        bail!(
-            "{}: there is no folder {}",
-            path.display(),
-            folder.display()
-        );
-    }
-    // Devices and pipes get the finished content copied; only files need a place beside them.
-    if !path.exists() || path.is_file() {
-        tempfile::tempfile_in(folder).with_context(|| {
-            format!("{}: cannot write into {}", path.display(), folder.display())
-        })?;
-    }
-    Ok(())
-}
-
-/// Refuses outputs that would replace a file that the scene was read from, such as a texture beside its model.
-fn spare_inputs(outputs: &[(PathBuf, OutputKind)], scene: &Scene) -> anyhow::Result<()> {
-    for (path, _) in outputs {
-        let Ok(output) = path.canonicalize() else {
-            continue;
-        };
-        if let Some(input) = scene
-            .files
-            .iter()
-            .find(|f| f.canonicalize().is_ok_and(|f| f == output))
-        {
-            let cause = format!(
-                "{}: would replace an input, {}: choose another --output",
-                path.display(),
-                input.display()
-            );
-            bail!(UsageError(cause));
-        }
-    }
-    Ok(())
-}
-
 fn window(args: &RenderArgs) -> anyhow::Result<PixelRect> {
     let size = args.resolution;
     if let Some((x, y)) = args.pixel.filter(|(x, y)| *x >= size.0 || *y >= size.1) {
@@ -394,14 +296,18 @@ fn sky_mode(name: SkyName) -> SkyMode {
     }
 }
 
-fn integrator(args: &RenderArgs, stage: &Stage) -> Integrator {
+fn integrator(args: &RenderArgs, scene: &Scene) -> Integrator {
     match args.integrator {
         IntegratorName::Direct => Integrator::Direct,
         IntegratorName::Ao => Integrator::Ao {
-            distance: args.ao_distance.unwrap_or(stage.diagonal * 0.1),
+            distance: args
+                .ao_distance
+                .unwrap_or_else(|| scene.bounds().diagonal() * 0.1),
         },
         IntegratorName::Normals => Integrator::Normals,
         IntegratorName::Facing => Integrator::Facing,
+        IntegratorName::Fragment => Integrator::Fragment,
+        IntegratorName::BspDepth => Integrator::BspDepth,
     }
 }
 

@@ -22,6 +22,7 @@ mod error;
 pub mod exr;
 mod header_order;
 pub mod ldr;
+pub mod palette;
 mod plausible;
 mod raster;
 mod replace_file;

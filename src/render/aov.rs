@@ -45,7 +45,7 @@ macro_rules! first {
     };
 }
 
-/// Every layer that an EXR file gets.
+/// The layers that every EXR file gets.
 pub const LAYERS: &[Layer] = &[
     Layer {
         name: "beauty",
@@ -169,11 +169,47 @@ pub const LAYERS: &[Layer] = &[
     },
 ];
 
+/// Further layers of films whose stage had the scene's polygon BSPs.
+pub const PARTITION_LAYERS: &[Layer] = &[
+    Layer {
+        name: "fragment",
+        description: "number of the polygon BSP's fragment, and the colour that stands for it; 4294967295 and black where nothing is met",
+        channels: &[
+            (
+                "fragment.id",
+                Value::Id(first!(NOTHING, hit => hit.fragment.map_or(NOTHING, |f| f.number))),
+            ),
+            (
+                "fragment.R",
+                Value::Half(first!(0.0, hit => hit.fragment.map_or(0.0, |f| f.color().x))),
+            ),
+            (
+                "fragment.G",
+                Value::Half(first!(0.0, hit => hit.fragment.map_or(0.0, |f| f.color().y))),
+            ),
+            (
+                "fragment.B",
+                Value::Half(first!(0.0, hit => hit.fragment.map_or(0.0, |f| f.color().z))),
+            ),
+        ],
+    },
+    Layer {
+        name: "bsp-depth",
+        description: "nodes of the polygon BSP above the fragment's node, 0 for the root; infinite where nothing is met",
+        channels: &[(
+            "bsp-depth",
+            Value::Float(
+                first!(f32::INFINITY, hit => hit.fragment.map_or(f32::INFINITY, |f| f.depth as f32)),
+            ),
+        )],
+    },
+];
+
 fn saturated(count: u64) -> u32 {
     u32::try_from(count).unwrap_or(u32::MAX)
 }
 
-/// The film as a picture of all [`LAYERS`], its data window the part that was rendered, with the camera's matrices.
+/// The film as a picture of all [`LAYERS`], and of [`PARTITION_LAYERS`] if it has them, its data window the part that was rendered, with the camera's matrices.
 pub fn layers(film: &Film, camera: &CameraFrame) -> Picture {
     let window = film.window;
     let (width, height) = film.size;
@@ -183,7 +219,13 @@ pub fn layers(film: &Film, camera: &CameraFrame) -> Picture {
         width: window.width,
         height: window.height,
     });
-    for (name, value) in LAYERS.iter().flat_map(|layer| layer.channels) {
+    let further = if film.has_fragments {
+        PARTITION_LAYERS
+    } else {
+        &[]
+    };
+    let all = LAYERS.iter().chain(further);
+    for (name, value) in all.flat_map(|layer| layer.channels) {
         let samples = match *value {
             Value::Half(value) => Samples::F16(film.map(value)),
             Value::Float(value) => Samples::F32(film.map(value)),
@@ -265,10 +307,12 @@ mod tests {
 
     #[test]
     fn channel_names_are_unique_and_a_crop_keeps_its_place() {
-        let mut names: Vec<_> = LAYERS.iter().flat_map(Layer::channels).collect();
+        let count = LAYERS.iter().flat_map(Layer::channels).count();
+        let all = LAYERS.iter().chain(PARTITION_LAYERS);
+        let mut names: Vec<_> = all.flat_map(Layer::channels).collect();
         names.sort_unstable();
         assert!(names.windows(2).all(|n| n[0] != n[1]));
-        let film = Film::new(
+        let mut film = Film::new(
             (320, 200),
             PixelRect {
                 x: 30,
@@ -278,7 +322,7 @@ mod tests {
             },
         );
         let picture = layers(&film, &camera(Projection::Perspective { view_angle: 40.0 }));
-        assert_eq!(picture.channels.len(), names.len());
+        assert_eq!(picture.channels.len(), count);
         assert_eq!(
             (picture.display, picture.window.x, picture.window.height),
             ((320, 200), 30, 4)
@@ -287,5 +331,8 @@ mod tests {
             picture.channel("id"),
             Some(&Samples::U32(vec![NOTHING; 20]))
         );
+        film.has_fragments = true;
+        let picture = layers(&film, &camera(Projection::Perspective { view_angle: 40.0 }));
+        assert_eq!(picture.channels.len(), names.len());
     }
 }

@@ -4,6 +4,7 @@ use glam::{Vec2, Vec3};
 use rayon::prelude::*;
 
 use super::integrator::Sample;
+use super::partition::FragmentPoint;
 use super::tracer::RayCounts;
 use crate::accel::{Hit, TraceCounters};
 
@@ -62,6 +63,8 @@ pub struct FirstHit {
     pub uv: Vec2,
     /// Linear base colour.
     pub albedo: Vec3,
+    /// The fragment of the polygon BSP; `None` where the stage has no trees.
+    pub fragment: Option<FragmentPoint>,
 }
 
 /// The sums of one pixel.
@@ -118,6 +121,8 @@ pub struct Film {
     pub(super) tiles: Vec<Tile>,
     /// Whether every pixel has all its samples.
     pub is_complete: bool,
+    /// Whether first hits know their fragments of the polygon BSP.
+    pub has_fragments: bool,
 }
 
 impl Film {
@@ -146,6 +151,7 @@ impl Film {
             window,
             tiles,
             is_complete: false,
+            has_fragments: false,
         }
     }
 

@@ -10,6 +10,7 @@ mod filter;
 mod framing;
 mod integrator;
 mod lights;
+mod partition;
 mod sampler;
 mod secondary;
 mod stage;
@@ -21,12 +22,13 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use rayon::prelude::*;
 
-pub use aov::{LAYERS, Layer, NOTHING, layers};
+pub use aov::{LAYERS, Layer, NOTHING, PARTITION_LAYERS, layers};
 pub use film::{Film, FirstHit, PixelRect, PixelSum};
 pub use filter::PixelFilter;
 pub use framing::{CameraWishes, DEFAULT_VIEW_ANGLE, frame_scene};
 pub use integrator::{Integrator, Sample};
 pub use lights::Lights;
+pub use partition::FragmentPoint;
 pub use sampler::Sampler;
 pub use secondary::{hemisphere_ray, shadow_ray};
 pub use stage::{SkyMode, Stage};
@@ -82,6 +84,7 @@ pub fn render(
     observer: &impl Observer,
 ) -> Film {
     let mut film = Film::new(options.size, options.window);
+    film.has_fragments = stage.trees.is_some();
     let pixel = PixelRenderer {
         stage,
         camera,
@@ -168,6 +171,7 @@ impl PixelRenderer<'_> {
             geometric_normal: surface.geometric_normal,
             uv: surface.uv,
             albedo: material.base_color,
+            fragment: FragmentPoint::at(self.stage, &surface),
         })
     }
 }

@@ -3,6 +3,7 @@
 use glam::{DMat3, Vec3};
 
 use super::lights::Lights;
+use crate::accel::bsp::polygon::SceneTrees;
 use crate::accel::{Accelerator, TestSpaces};
 use crate::geometry::Triangle;
 use crate::geometry::tolerance::surface_offset_factors;
@@ -33,6 +34,10 @@ pub struct Stage<'a> {
     pub diagonal: f32,
     /// Whether any material has alpha, so that hits must be looked at before they block light.
     pub has_alpha: bool,
+    /// The polygon BSPs of the scene, for pictures that show them.
+    pub trees: Option<&'a SceneTrees>,
+    /// Greatest depth of their nodes: 0 for a root alone.
+    pub(super) deepest_node: u32,
     pub(super) instances: Vec<StagedInstance>,
 }
 
@@ -94,7 +99,19 @@ impl<'a> Stage<'a> {
             lights: Lights::new(scene, &instances, sky),
             diagonal: scene.bounds().diagonal(),
             has_alpha: scene.materials.iter().any(|m| m.has_alpha()),
+            trees: None,
+            deepest_node: 0,
             instances,
+        }
+    }
+
+    /// With the scene's polygon BSPs, which the integrators `fragment` and `bsp-depth` and the layers of these names show.
+    #[must_use]
+    pub fn with_trees(self, trees: Option<&'a SceneTrees>) -> Self {
+        Self {
+            trees,
+            deepest_node: trees.map_or(0, |t| t.depth().saturating_sub(1)),
+            ..self
         }
     }
 }

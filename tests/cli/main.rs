@@ -10,3 +10,4 @@ mod run;
 mod shell;
 #[cfg(unix)]
 mod signals;
+mod views;

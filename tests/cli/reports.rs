@@ -234,38 +234,3 @@ fn paths_that_are_not_utf_8_are_told_as_well_as_can_be() {
     assert_eq!(told["models"][0], "block\u{fffd}.obj");
     assert_eq!(told["outputs"][0], "a\u{fffd}.png");
 }
-
-#[test]
-fn inspect_tells_of_the_polygon_tree_in_every_order() {
-    let folder = tempfile::tempdir().unwrap();
-    let block = model("lecture-block.obj");
-    let args = [
-        "inspect",
-        &block,
-        "--bsp",
-        "--bsp-order",
-        "file",
-        "--dot",
-        "tree.dot",
-    ];
-    let ran = bspray(folder.path(), &args);
-    assert_eq!(ran.code, Some(0), "{ran:?}");
-    // The lecture's tree: ten fragments of eight faces, since the plane of #3 splits both caps.
-    let file = ran.stdout.lines().find(|l| l.starts_with("file ")).unwrap();
-    let cells: Vec<_> = file.split_whitespace().collect();
-    assert_eq!(cells[1..], ["8", "10", "7", "6.50", "2", "10", "1.25"]);
-    assert!(ran.stdout.contains("back 7a\n") && ran.stdout.contains("back 8b\n"));
-    let dot = std::fs::read_to_string(folder.path().join("tree.dot")).unwrap();
-    assert!(dot.starts_with("digraph bsp {") && dot.contains("label=\"7b\""));
-
-    let json = bspray(folder.path(), &["inspect", &block, "--bsp", "--json"]);
-    let value: Value = serde_json::from_str(&json.stdout).unwrap();
-    let orders = value["orders"].as_array().unwrap();
-    assert_eq!(orders.len(), 6);
-    for row in orders {
-        assert_eq!(row["polygons"], 8);
-        assert!(row["fragments"].as_u64().unwrap() >= 8, "{row}");
-    }
-    let alone = bspray(folder.path(), &["inspect", &block, "--dot", "tree.dot"]);
-    assert_eq!(alone.code, Some(2), "{alone:?}");
-}

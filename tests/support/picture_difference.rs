@@ -23,7 +23,7 @@ pub(crate) enum Tolerance {
 /// for rounding alone.
 pub(crate) fn tolerance(channel: &str) -> Tolerance {
     match channel.split('.').next().unwrap_or(channel) {
-        "id" | "material" | "prim" | "samples" => Tolerance::Exact,
+        "id" | "material" | "prim" | "samples" | "fragment" | "bsp-depth" => Tolerance::Exact,
         "Z" | "distance" | "P" | "N" | "Ng" | "uv" => Tolerance::Ulps(4.0),
         _ => Tolerance::Color {
             absolute: 1e-5,

@@ -1,6 +1,7 @@
 //! Scenes made in code, and the shortest way from one to its pixels.
 
-use bspray::accel::AcceleratorKind;
+use bspray::accel::bsp::polygon::SceneTrees;
+use bspray::accel::{AcceleratorKind, BuildOptions};
 use bspray::render::{
     Film, Integrator, PixelFilter, PixelRect, RenderOptions, SkyMode, Stage, render,
 };
@@ -74,6 +75,12 @@ pub(crate) fn options(size: (u32, u32), samples: u32, integrator: Integrator) ->
     }
 }
 
+/// The polygon BSPs of a scene, if the picture shows them.
+pub(crate) fn trees(scene: &Scene, options: &RenderOptions) -> Option<SceneTrees> {
+    let build = || SceneTrees::build(scene, &BuildOptions::default());
+    options.integrator.shows_trees().then(build)
+}
+
 /// Renders a scene from its first camera, with `kind` and the rayon pool in which it is called.
 pub(crate) fn film(
     scene: &Scene,
@@ -82,7 +89,8 @@ pub(crate) fn film(
     options: &RenderOptions,
 ) -> Film {
     let accelerator = kind.build(scene);
-    let stage = Stage::new(scene, &*accelerator, Vec3::Y, sky);
+    let trees = trees(scene, options);
+    let stage = Stage::new(scene, &*accelerator, Vec3::Y, sky).with_trees(trees.as_ref());
     let frame = scene.cameras[0]
         .frame(options.size.0, options.size.1)
         .expect("a camera that sees something");

@@ -8,6 +8,7 @@ pub(super) use direct::shadow_ray_to;
 
 use glam::Vec3;
 
+use super::partition;
 use super::sampler::Sampler;
 use super::stage::Stage;
 use super::surface::{MaterialPoint, Surface};
@@ -28,6 +29,10 @@ pub enum Integrator {
     Normals,
     /// How much the surface faces the eye: grey for fronts, red for backs.
     Facing,
+    /// A colour for each fragment of the polygon BSP; grey if the stage has no trees.
+    Fragment,
+    /// How deep in the polygon BSP a fragment is, dark for the root; grey if the stage has no trees.
+    BspDepth,
 }
 
 /// What a sample of a pixel saw. Colours are linear radiance.
@@ -59,7 +64,14 @@ impl Integrator {
             Self::Ao { .. } => "ao",
             Self::Normals => "normals",
             Self::Facing => "facing",
+            Self::Fragment => "fragment",
+            Self::BspDepth => "bsp-depth",
         }
+    }
+
+    /// Whether the stage must have the scene's polygon BSPs.
+    pub const fn shows_trees(&self) -> bool {
+        matches!(self, Self::Fragment | Self::BspDepth)
     }
 
     /// What the eye sees along a ray. Surfaces with alpha are laid over one another, front to back.
@@ -108,6 +120,8 @@ impl Integrator {
             Self::Ao { distance } => ambient::shade(stage, tracer, ray, surface, distance, sampler),
             Self::Normals => geometry::normals(surface),
             Self::Facing => geometry::facing(ray, surface),
+            Self::Fragment => partition::fragment(stage, ray, surface),
+            Self::BspDepth => partition::depth(stage, ray, surface),
         }
     }
 

@@ -15,8 +15,14 @@
 //!
 //! Fragments only steer a ray, front to back, by its interval clipped at each plane with a derived margin. What is tested is the original
 //! triangles, so that the answers are those of every other structure.
+//!
+//! # How people see it
+//!
+//! [`PolygonBsp::draw_tree`] and [`PolygonBsp::draw_regions`] make drawings of it, [`SceneTrees::locate`] finds the fragment that a ray hit, which the integrators
+//! `fragment` and `bsp-depth` show.
 
 mod build;
+mod drawing;
 mod fragment;
 mod input;
 mod order;
@@ -30,6 +36,7 @@ mod visibility;
 mod walk;
 
 pub use build::BuildLimits;
+pub use drawing::{Drawing, PlanFault};
 pub use fragment::{Corner, Edge, Fragment, Loop, Origin, Polygon};
 pub use order::{CANDIDATES, SAMPLE};
 pub use scene::{Located, PlacedTree, SceneTree, SceneTrees};

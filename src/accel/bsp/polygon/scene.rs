@@ -1,13 +1,12 @@
 //! The trees of a scene: one in world space for all meshes that are placed once, and one in object space for each mesh that is placed several times.
 
-use std::collections::HashMap;
-
 use glam::{DAffine3, DVec3};
 
 use super::tree::PolygonBsp;
 use crate::accel::bake::{self, Baked};
 use crate::accel::bsp::options::BuildOptions;
 use crate::accel::hit::Hit;
+use crate::accel::names::Names;
 use crate::scene::Scene;
 
 /// The polygon BSPs of a scene, as [`AcceleratorKind::BspPolygon`](crate::accel::AcceleratorKind::BspPolygon) builds them, to be looked at.
@@ -15,8 +14,18 @@ use crate::scene::Scene;
 pub struct SceneTrees {
     trees: Vec<SceneTree>,
     placements: Vec<PlacedTree>,
-    /// By instance: its tree, and where its triangles begin there.
-    first_triangle: HashMap<u32, (u32, u32)>,
+    /// By instance; `None` for those without triangles.
+    places: Vec<Option<Place>>,
+}
+
+/// Where an instance's triangles are.
+#[derive(Clone, Copy, Debug)]
+struct Place {
+    tree: u32,
+    /// Number of its first triangle in the tree.
+    first: u32,
+    /// The way into the tree's space; `None` from world space to itself.
+    object_from_world: Option<DAffine3>,
 }
 
 /// A tree, and the names of its triangles.
@@ -24,8 +33,16 @@ pub struct SceneTrees {
 pub struct SceneTree {
     /// The tree.
     pub bsp: PolygonBsp,
-    /// For each of its triangles, instance and triangle in the mesh. The instance is 0 in a tree that is placed several times.
-    pub names: Vec<(u32, u32)>,
+    names: Names,
+    /// Fragments of the trees before it.
+    first_fragment: u32,
+}
+
+impl SceneTree {
+    /// The name of a triangle of the tree: instance, and triangle in the mesh. The instance is 0 in a tree that is placed several times.
+    pub fn name(&self, triangle: u32) -> (u32, u32) {
+        self.names.name(triangle)
+    }
 }
 
 /// A tree in its place.
@@ -33,7 +50,7 @@ pub struct SceneTree {
 pub struct PlacedTree {
     /// Which of the trees.
     pub tree: u32,
-    /// The instance and its placement; `None` for the tree in world space.
+    /// The instance and its `world_from_object`; `None` for the tree in world space.
     pub instance: Option<(u32, DAffine3)>,
 }
 
@@ -58,21 +75,10 @@ pub(in crate::accel) fn outlines(scene: &Scene, baked: &Baked) -> Vec<Vec<(u32, 
         if !outlines[set].is_empty() {
             continue;
         }
-        // Runs of one mesh, one after the other.
-        let mut first = 0;
-        for run in baked.sets[set].chunk_by(|a, b| a.instance == b.instance) {
-            let instance = placement
-                .instance
-                .as_ref()
-                .map_or(run[0].instance, |i| i.index);
-            outlines[set].extend(
-                scene
-                    .mesh_of(instance)
-                    .outlines
-                    .iter()
-                    .map(|o| (first + o.first_triangle, o.triangle_count)),
-            );
-            first += run.len() as u32;
+        for &(first, named) in Names::of(&baked.sets[set]).instances() {
+            let instance = placement.instance.as_ref().map_or(named, |i| i.index);
+            let of_mesh = scene.mesh_of(instance).outlines.iter();
+            outlines[set].extend(of_mesh.map(|o| (first + o.first_triangle, o.triangle_count)));
         }
     }
     outlines
@@ -103,35 +109,52 @@ impl SceneTrees {
     pub fn build(scene: &Scene, options: &BuildOptions) -> Self {
         let baked = bake::bake(scene);
         let outlines = outlines(scene, &baked);
-        let placements: Vec<PlacedTree> = baked
-            .placements
-            .iter()
-            .map(|p| PlacedTree {
-                tree: p.set,
-                instance: p.instance.as_ref().map(|i| (i.index, i.world_from_object)),
-            })
-            .collect();
-        let mut first_triangle = HashMap::new();
-        for placement in &placements {
-            if let Some((instance, _)) = placement.instance {
-                first_triangle.insert(instance, (placement.tree, 0));
-                continue;
-            }
-            let mut first = 0;
-            let set = &baked.sets[placement.tree as usize];
-            for run in set.chunk_by(|a, b| a.instance == b.instance) {
-                first_triangle.insert(run[0].instance, (placement.tree, first));
-                first += run.len() as u32;
-            }
+        let mut trees = Vec::with_capacity(baked.sets.len());
+        let mut first_fragment = 0;
+        for (set, outlines) in baked.sets.into_iter().zip(outlines) {
+            let triangles = set.iter().map(|t| t.triangle).collect();
+            let bsp = PolygonBsp::build(triangles, &outlines, options);
+            let names = Names::of(&set);
+            let fragments = bsp.fragments().len() as u32;
+            trees.push(SceneTree {
+                bsp,
+                names,
+                first_fragment,
+            });
+            first_fragment += fragments;
         }
-        let tree = |(set, outlines): (bake::TriangleSet, Vec<(u32, u32)>)| SceneTree {
-            names: set.iter().map(|t| (t.instance, t.index)).collect(),
-            bsp: PolygonBsp::build(set.iter().map(|t| t.triangle).collect(), &outlines, options),
-        };
+        let mut places = vec![None; scene.instances.len()];
+        let mut placements = Vec::with_capacity(baked.placements.len());
+        for placement in &baked.placements {
+            let tree = placement.set;
+            match &placement.instance {
+                Some(instance) => {
+                    places[instance.index as usize] = Some(Place {
+                        tree,
+                        first: 0,
+                        object_from_world: Some(instance.object_from_world),
+                    });
+                }
+                None => {
+                    for &(first, instance) in trees[tree as usize].names.instances() {
+                        places[instance as usize] = Some(Place {
+                            tree,
+                            first,
+                            object_from_world: None,
+                        });
+                    }
+                }
+            }
+            let instance = placement.instance.as_ref();
+            placements.push(PlacedTree {
+                tree,
+                instance: instance.map(|i| (i.index, i.world_from_object)),
+            });
+        }
         Self {
-            trees: baked.sets.into_iter().zip(outlines).map(tree).collect(),
+            trees,
             placements,
-            first_triangle,
+            places,
         }
     }
 
@@ -145,34 +168,45 @@ impl SceneTrees {
         &self.placements
     }
 
+    /// Nodes on the longest way from a root, both ends included, over all trees.
+    pub fn depth(&self) -> u32 {
+        let depths = self.trees.iter().map(|t| t.bsp.stats().depth);
+        depths.max().unwrap_or(0)
+    }
+
+    /// The fragment's number when those of all trees are counted on, from 0.
+    pub fn fragment_number(&self, located: &Located) -> u32 {
+        self.trees[located.tree as usize].first_fragment + located.fragment
+    }
+
     /// The fragment that was hit, `point` being the place in world space. In a cut, which belongs to two fragments, and within rounding of one, either.
-    /// `None` for a hit that is not of this scene.
+    /// `None` for a hit that is not of this scene, and for a triangle without area.
     pub fn locate(&self, hit: &Hit, point: DVec3) -> Option<Located> {
-        let &(tree, first) = self.first_triangle.get(&hit.instance)?;
-        let placed = self.placements.iter().find_map(|p| {
-            let (instance, world_from_object) = p.instance?;
-            (instance == hit.instance).then_some(world_from_object)
-        });
-        let point = placed.map_or(point, |m| m.inverse().transform_point3(point));
-        let (fragment, node) = self.trees[tree as usize]
-            .bsp
-            .locate(first + hit.triangle, point)?;
+        let place = (*self.places.get(hit.instance as usize)?)?;
+        let in_tree = place
+            .object_from_world
+            .map_or(point, |m| m.transform_point3(point));
+        let bsp = &self.trees[place.tree as usize].bsp;
+        let (fragment, node) = bsp.locate(place.first + hit.triangle, in_tree)?;
         Some(Located {
-            tree,
+            tree: place.tree,
             fragment,
             node,
-            depth: self.trees[tree as usize].bsp.nodes()[node as usize].depth(),
+            depth: bsp.nodes()[node as usize].depth(),
         })
     }
 }
 
 impl PolygonBsp {
-    /// The fragment of this triangle's polygon in which the point lies, and its node. Of several within rounding, that on the point's computed side.
+    /// The fragment of this triangle's polygon in which the point lies, and its node. `None` if the triangle is in no node.
+    ///
+    /// The point, in the tree's space, lies in the triangle up to rounding. It goes down the tree by its computed side of each plane, until a node has a fragment of the triangle.
+    /// Where rounding led it into a cell without one, the nearest plane that was passed is crossed: so the answer is wrong at most between fragments that the point is within rounding of.
     pub fn locate(&self, triangle: u32, point: DVec3) -> Option<(u32, u32)> {
         if self.left_out.binary_search(&triangle).is_ok() {
             return None;
         }
-        // The likelier side of each plane is looked at first; the other in the order of its distance, so that rounding leads astray only if it must.
+        // Distances from the planes that were passed, and what lies across.
         let mut others = Vec::new();
         let mut at = (!self.nodes.is_empty()).then_some(0);
         loop {

@@ -7,12 +7,13 @@ use crate::accel::bake::TriangleSet;
 use crate::accel::bsp::options::BuildOptions;
 use crate::accel::counters::{BuildStats, Counter};
 use crate::accel::hit::Nearest;
-use crate::accel::linear::offer;
-use crate::geometry::{Ray, RayFrame};
+use crate::accel::names::Names;
+use crate::geometry::{Ray, RayFrame, Triangle};
 
 /// A set of triangles under a polygon BSP.
 pub(in crate::accel) struct PolygonSet {
-    triangles: TriangleSet,
+    triangles: Vec<Triangle>,
+    names: Names,
     walk: Walk,
     nodes: u64,
     depth: u32,
@@ -21,17 +22,18 @@ pub(in crate::accel) struct PolygonSet {
 impl PolygonSet {
     /// `outlines` are runs of triangles that were one polygon of the file.
     pub(in crate::accel) fn build(
-        triangles: TriangleSet,
+        set: TriangleSet,
         outlines: &[(u32, u32)],
         options: &BuildOptions,
     ) -> Self {
-        let shapes = triangles.iter().map(|t| t.triangle).collect();
+        let shapes = set.iter().map(|t| t.triangle).collect();
         let tree = PolygonBsp::build(shapes, outlines, options);
         Self {
-            triangles,
+            names: Names::of(&set),
             nodes: tree.nodes().len() as u64,
             depth: tree.stats().depth,
             walk: Walk::new(&tree),
+            triangles: tree.triangles,
         }
     }
 }
@@ -47,8 +49,10 @@ impl TraceSet for PolygonSet {
         let mut frame = RayFrame::new(ray);
         self.walk.visit(ray, counter, |run, counter| {
             counter.primitives(run.len());
-            for &t in run {
-                offer(&frame, &self.triangles[t as usize], instance, nearest);
+            for &number in run {
+                if let Some(t) = frame.intersect(&self.triangles[number as usize]) {
+                    self.names.offer(t, number, instance, nearest);
+                }
             }
             frame.set_max(nearest.limit());
             nearest.limit()
@@ -59,11 +63,7 @@ impl TraceSet for PolygonSet {
         let frame = RayFrame::new(ray);
         let mut is_hit = false;
         self.walk.visit(ray, counter, |run, counter| {
-            let hits = |&t: &u32| {
-                frame
-                    .intersect(&self.triangles[t as usize].triangle)
-                    .is_some()
-            };
+            let hits = |&t: &u32| frame.intersect(&self.triangles[t as usize]).is_some();
             let hit = run.iter().position(hits);
             counter.primitives(hit.map_or(run.len(), |h| h + 1));
             is_hit = hit.is_some();
@@ -77,11 +77,12 @@ impl TraceSet for PolygonSet {
     }
 
     fn stats(&self) -> BuildStats {
+        let bytes = self.walk.bytes() + self.names.bytes() + size_of_val(&*self.triangles);
         BuildStats {
             triangles: self.triangles.len() as u64,
             nodes: self.nodes,
             depth: self.depth,
-            bytes: (self.walk.bytes() + size_of_val(&*self.triangles)) as u64,
+            bytes: bytes as u64,
             ..BuildStats::default()
         }
     }

@@ -49,6 +49,18 @@ impl Node {
     }
 }
 
+/// a to z, then aa to zz, from `first` instead of a: numbers without a zero.
+pub(super) fn letters(number: u32, first: u8) -> String {
+    let mut letters = Vec::new();
+    let mut rest = u64::from(number) + 1;
+    while rest > 0 {
+        rest -= 1;
+        letters.push(char::from(first + (rest % 26) as u8));
+        rest /= 26;
+    }
+    letters.iter().rev().collect()
+}
+
 /// The shape of a tree.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct TreeStats {
@@ -130,15 +142,7 @@ impl PolygonBsp {
         let fragment = &self.fragments[fragment as usize];
         let mut name = (u64::from(fragment.polygon) + 1).to_string();
         if let Some(piece) = fragment.piece {
-            // a to z, then aa to zz: numbers without a zero.
-            let mut letters = Vec::new();
-            let mut rest = u64::from(piece) + 1;
-            while rest > 0 {
-                rest -= 1;
-                letters.push(b'a' + (rest % 26) as u8);
-                rest /= 26;
-            }
-            name.extend(letters.iter().rev().map(|&l| char::from(l)));
+            name += &letters(piece, b'a');
         }
         name
     }

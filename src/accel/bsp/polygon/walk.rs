@@ -3,6 +3,10 @@
 //! The side that a ray comes from is gone through before the plane's own polygons, and these before the side it goes to. The clips overlap by a
 //! margin ([`WALK_MARGIN`]) that covers every rounding, so that a cell is left out only if no hit can be in it. What lies behind the best hit so
 //! far is left out; what may tie with it is not.
+//!
+//! What is left to do stands on a stack of the thread's own, which grows with the deepest tree that the thread meets and is used by ray after ray.
+
+use std::cell::Cell;
 
 use glam::{DVec3, Vec3};
 
@@ -25,7 +29,7 @@ struct Step {
     count: u32,
 }
 
-/// The tree without its polygons: planes, and the triangles to test.
+/// The tree as rays meet it: planes, and for each node the original triangles of the fragments in it.
 #[derive(Clone, Debug)]
 pub(super) struct Walk {
     steps: Vec<Step>,
@@ -49,6 +53,14 @@ struct Span {
     max: f64,
 }
 
+/// Tasks for which a thread keeps room between rays: 100 KB. Deeper chains allocate for each ray; more would be held for one odd tree.
+const KEPT_TASKS: usize = 4096;
+
+thread_local! {
+    /// The stack between two rays, empty. A walk takes it, so that a walk within a walk would get another.
+    static STACK: Cell<Vec<Task>> = const { Cell::new(Vec::new()) };
+}
+
 impl Walk {
     pub(super) fn new(tree: &PolygonBsp) -> Self {
         let mut triangles: Vec<u32> = Vec::new();
@@ -57,9 +69,15 @@ impl Walk {
             let first = triangles.len();
             let fragments =
                 &tree.fragments[node.fragments().start as usize..node.fragments().end as usize];
-            triangles.extend(fragments.iter().flat_map(|f| &f.triangles));
+            let mut run: Vec<u32> = fragments
+                .iter()
+                .flat_map(|f| &f.triangles)
+                .copied()
+                .collect();
             // Pieces of one polygon in one undivided cell may share triangles.
-            triangles[first..].sort_unstable();
+            run.sort_unstable();
+            run.dedup();
+            triangles.extend(run);
             let (normal, error, through) = match node.plane() {
                 Some(plane) => {
                     let plane = tree.plane(plane);
@@ -91,17 +109,32 @@ impl Walk {
         size_of_val(&*self.steps) + size_of_val(&*self.triangles)
     }
 
-    /// Calls `test` with the numbers of triangles that the ray may hit, nearer cells first. It returns up to which `t` hits matter from then on; a `t`
-    /// below the interval's beginning ends the walk.
+    /// Calls `test` with the numbers of triangles that the ray may hit, nearer cells first; those of a split polygon may come again in another cell.
+    /// It returns up to which `t` hits matter from then on; a `t` below the interval's beginning ends the walk.
     pub(super) fn visit<C: Counter>(
         &self,
         ray: &Ray,
         counter: &mut C,
+        test: impl FnMut(&[u32], &mut C) -> f32,
+    ) {
+        let Some(span) = self.enter(ray) else { return };
+        let mut stack = STACK.take();
+        self.descend(ray, span, &mut stack, counter, test);
+        if stack.capacity() <= KEPT_TASKS {
+            stack.clear();
+            STACK.set(stack);
+        }
+    }
+
+    fn descend<C: Counter>(
+        &self,
+        ray: &Ray,
+        span: Span,
+        stack: &mut Vec<Task>,
+        counter: &mut C,
         mut test: impl FnMut(&[u32], &mut C) -> f32,
     ) {
         let mut limit = ray.interval.max;
-        let Some(span) = self.enter(ray) else { return };
-        let mut stack: Vec<Task> = Vec::with_capacity(64);
         let mut task = Task {
             polygons_of: NONE,
             node: if self.steps.is_empty() { NONE } else { 0 },

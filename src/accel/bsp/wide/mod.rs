@@ -28,6 +28,7 @@ use crate::accel::TraceSet;
 use crate::accel::bake::TriangleSet;
 use crate::accel::counters::{BuildStats, Counter};
 use crate::accel::hit::{Hit, Nearest};
+use crate::accel::names::Names;
 use crate::geometry::{Ray, RayFrame};
 use build::{Builder, Plan};
 use node::Word;
@@ -44,61 +45,6 @@ pub(in crate::accel) struct WideSet {
     depth: u32,
     instructions: Instructions,
     names: Names,
-}
-
-/// The names of triangles by their number: in the order of instances, and in each of triangles.
-struct Names {
-    count: u32,
-    /// Where each instance's numbers begin.
-    instances: Vec<(u32, u32)>,
-}
-
-impl Names {
-    fn of(set: &TriangleSet) -> Self {
-        let mut instances: Vec<(u32, u32)> = Vec::new();
-        for (number, named) in set.iter().enumerate() {
-            let number = number as u32;
-            if instances
-                .last()
-                .is_none_or(|&(_, last)| last != named.instance)
-            {
-                instances.push((number - named.index, named.instance));
-            }
-        }
-        Self {
-            count: set.len() as u32,
-            instances,
-        }
-    }
-
-    /// Instance and triangle.
-    #[inline(always)]
-    fn name(&self, number: u32) -> (u32, u32) {
-        let at = if self.instances.len() == 1 {
-            0
-        } else {
-            self.instances
-                .partition_point(|&(first, _)| first <= number)
-                - 1
-        };
-        let (first, instance) = self.instances[at];
-        (instance, number - first)
-    }
-
-    /// How many come up to this name, itself included, when hits are under the name of `instance` or of their own.
-    fn up_to(&self, name: (u32, u32), instance: Option<u32>) -> u32 {
-        let (mut low, mut high) = (0, self.count);
-        while low < high {
-            let middle = low + (high - low) / 2;
-            let (own, index) = self.name(middle);
-            if (instance.unwrap_or(own), index) <= name {
-                low = middle + 1
-            } else {
-                high = middle
-            }
-        }
-        low
-    }
 }
 
 /// Costs in the unit of a node's test, found by trial on the scenes of `benches/record`.
@@ -127,11 +73,6 @@ impl WideSet {
         Tree::new(&self.store, self.root, self.reach)
     }
 
-    fn offer(&self, t: f32, number: u32, instance: Option<u32>, nearest: &mut Nearest) {
-        let (own, index) = self.names.name(number);
-        nearest.offer(t, instance.unwrap_or(own), index);
-    }
-
     /// Which hits a ray that continues behind another passes over: up to which `t`, and below which number.
     fn passed(&self, ray: &Ray, instance: Option<u32>) -> Option<(f32, u32)> {
         let name = ray.behind?;
@@ -151,7 +92,7 @@ impl WideSet {
         for (number, triangle) in self.store.all_triangles() {
             counter.primitives(1);
             if let Some(t) = frame.intersect(&triangle) {
-                self.offer(t, number, instance, nearest);
+                self.names.offer(t, number, instance, nearest);
             }
         }
     }
@@ -204,7 +145,7 @@ impl TraceSet for WideSet {
             counter,
         );
         if let Some(number) = found.number() {
-            self.offer(found.t, number, instance, nearest);
+            self.names.offer(found.t, number, instance, nearest);
         } else if found.is_unusual() {
             self.test_everything(ray, instance, nearest, counter);
         }
@@ -255,10 +196,10 @@ impl TraceSet for WideSet {
 
     fn stats(&self) -> BuildStats {
         BuildStats {
-            triangles: u64::from(self.names.count),
+            triangles: u64::from(self.names.count()),
             nodes: (self.store.nodes.len() + self.store.leaves.len()) as u64,
             depth: self.depth,
-            bytes: (self.store.bytes() + size_of_val(&*self.names.instances)) as u64,
+            bytes: (self.store.bytes() + self.names.bytes()) as u64,
             ..BuildStats::default()
         }
     }
@@ -398,7 +339,7 @@ mod tests {
 
     #[test]
     fn fragments_stay_within_their_allowance() {
-        let triangles = set(BspQuality::Fast).names.count as usize;
+        let triangles = set(BspQuality::Fast).names.count() as usize;
         let members = |quality| set(quality).store.all_triangles().count();
         assert_eq!(members(BspQuality::Fast), triangles);
         let default = members(BspQuality::Default);

@@ -1,0 +1,120 @@
+//! Which files a command writes, known to be possible before any work is done.
+
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context, bail};
+use bspray::picture::ldr;
+use bspray::scene::Scene;
+
+use super::UsageError;
+
+/// What a picture's file holds.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum OutputKind {
+    /// All layers.
+    Exr,
+    /// Colours, as people see them.
+    Display,
+}
+
+/// The pictures of a render and what they are: those that were asked for, or one that is named after the first model.
+pub(super) fn outputs(
+    wanted: &[PathBuf],
+    models: &[PathBuf],
+    is_report: bool,
+) -> anyhow::Result<Vec<(PathBuf, OutputKind)>> {
+    if is_report {
+        if wanted.is_empty() {
+            return Ok(Vec::new());
+        }
+        bail!(UsageError(
+            "--pixel prints a report and writes no picture: leave --output out".to_owned()
+        ));
+    }
+    let paths = if wanted.is_empty() {
+        // Not `with_extension`, which would take "v2" from "scan.v2".
+        let mut name = models[0]
+            .file_stem()
+            .unwrap_or("picture".as_ref())
+            .to_owned();
+        name.push(".png");
+        vec![PathBuf::from(name)]
+    } else {
+        wanted.to_vec()
+    };
+    let mut outputs: Vec<(PathBuf, OutputKind)> = Vec::new();
+    for path in paths {
+        let is_exr = path
+            .extension()
+            .is_some_and(|e| e.eq_ignore_ascii_case("exr"));
+        if !is_exr {
+            ldr::LdrFormat::of_path(&path).map_err(|e| UsageError(e.to_string()))?;
+        }
+        if outputs.iter().any(|(other, _)| *other == path) {
+            bail!(UsageError(format!(
+                "{}: is named twice as an output",
+                path.display()
+            )));
+        }
+        check_writable(&path)?;
+        outputs.push((
+            path,
+            if is_exr {
+                OutputKind::Exr
+            } else {
+                OutputKind::Display
+            },
+        ));
+    }
+    Ok(outputs)
+}
+
+/// Finds out before long work what would keep its result from being written.
+pub(super) fn check_writable(path: &Path) -> anyhow::Result<()> {
+    if path.is_dir() {
+        bail!("{}: is a directory", path.display());
+    }
+    let folder = path
+        .parent()
+        .filter(|p| !p.as_os_str().is_empty())
+        .unwrap_or(Path::new("."));
+    if !folder.is_dir() {
+        bail!(
+            "{}: there is no folder {}",
+            path.display(),
+            folder.display()
+        );
+    }
+    // Devices and pipes get the finished content copied; only files need a place beside them.
+    if !path.exists() || path.is_file() {
+        tempfile::tempfile_in(folder).with_context(|| {
+            format!("{}: cannot write into {}", path.display(), folder.display())
+        })?;
+    }
+    Ok(())
+}
+
+/// Refuses outputs that would replace a file that the scene was read from, such as a texture beside its model.
+pub(super) fn spare_inputs<'a>(
+    outputs: impl Iterator<Item = &'a Path>,
+    scene: &Scene,
+) -> anyhow::Result<()> {
+    for path in outputs {
+        let Ok(output) = path.canonicalize() else {
+            continue;
+        };
+        if let Some(input) = scene
+            .files
+            .iter()
+            .find(|f| f.canonicalize().is_ok_and(|f| f == output))
+        {
+            let cause = format!(
+                "{}: would replace an input, {}: choose another name for the output",
+                path.display(),
+                input.display()
+            );
+            bail!(UsageError(cause));
+        }
+    }
+    Ok(())
+}
