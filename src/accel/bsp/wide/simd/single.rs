@@ -17,11 +17,27 @@ pub(in super::super) const MOST_DEPTH: u32 = 112;
 /// Children that wait, at most: seven a level, and one more.
 const STACK: usize = 7 * MOST_DEPTH as usize + 8;
 
-/// A child that waits, and where the ray enters it.
-#[derive(Clone, Copy)]
-struct Waiting {
-    from: f32,
-    child: Word,
+/// A child that waits, and where the ray enters it: the entry's bits above the word's, so that of two the nearer is the lesser number, found without
+/// a branch that nothing could predict: bounce rays are 4 to 5 % faster, eye rays, whose order is mostly known, 0 to 3 % slower. (Behind the origin
+/// the order is the other way round, which costs steps but loses nothing.)
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+struct Waiting(u64);
+
+impl Waiting {
+    #[inline(always)]
+    fn new(from: f32, child: Word) -> Self {
+        Self(u64::from(from.to_bits()) << 32 | u64::from(child.bits()))
+    }
+
+    #[inline(always)]
+    fn from(self) -> f32 {
+        f32::from_bits((self.0 >> 32) as u32)
+    }
+
+    #[inline(always)]
+    fn child(self) -> Word {
+        Word::from_bits(self.0 as u32)
+    }
 }
 
 /// The children that wait, of one node the nearest last.
@@ -55,38 +71,52 @@ impl Stack {
             }
             let mut entries = [0.0; WIDTH];
             from.store(&mut entries);
-            let entry = |lane: usize| Waiting {
-                from: *entries.get_unchecked(lane),
-                child: child(lane),
-            };
-            let second = hit.trailing_zeros() as usize;
+            let entry = |lane: usize| Waiting::new(*entries.get_unchecked(lane), child(lane));
+            let (a, b) = (entry(first), entry(hit.trailing_zeros() as usize));
             hit &= hit - 1;
-            let (mut near, mut far) = (entry(first), entry(second));
-            if far.from < near.from {
-                (near, far) = (far, near);
-            }
+            let (mut near, far) = (a.min(b), a.max(b));
             let base = self.height;
-            self.waiting.get_unchecked_mut(base).write(far);
-            self.height += 1;
+            if hit == 0 {
+                self.put(base, far);
+                return near.child();
+            }
+            let third = entry(hit.trailing_zeros() as usize);
+            hit &= hit - 1;
+            let next = near.max(third);
+            near = near.min(third);
+            self.put(base, far.max(next));
+            self.put(base + 1, far.min(next));
             while hit != 0 {
-                let lane = hit.trailing_zeros() as usize;
+                let other = entry(hit.trailing_zeros() as usize);
                 hit &= hit - 1;
-                let mut next = entry(lane);
-                if next.from < near.from {
-                    (near, next) = (next, near);
-                }
-                let mut place = self.height;
-                while place > base
-                    && self.waiting.get_unchecked(place - 1).assume_init().from < next.from
-                {
-                    *self.waiting.get_unchecked_mut(place) = *self.waiting.get_unchecked(place - 1);
+                let next = near.max(other);
+                near = near.min(other);
+                let end = self.height;
+                let mut place = end;
+                while place > base {
+                    let before = self.waiting.get_unchecked(place - 1).assume_init();
+                    if before >= next {
+                        break;
+                    }
+                    self.put(place, before);
                     place -= 1;
                 }
-                self.waiting.get_unchecked_mut(place).write(next);
-                self.height += 1;
+                self.put(place, next);
+                self.height = end + 1;
             }
-            near.child
+            near.child()
         }
+    }
+
+    /// Writes what waits at a place, which becomes the last.
+    ///
+    /// # Safety
+    /// The stack is as high as the tree's depth allows.
+    #[inline(always)]
+    unsafe fn put(&mut self, place: usize, waiting: Waiting) {
+        // SAFETY: the caller's promise.
+        unsafe { self.waiting.get_unchecked_mut(place).write(waiting) };
+        self.height = place + 1;
     }
 
     /// The last that waits and is entered up to `last`.
@@ -99,8 +129,8 @@ impl Stack {
             self.height -= 1;
             // SAFETY: the caller's promise.
             let waiting = unsafe { self.waiting.get_unchecked(self.height).assume_init() };
-            if waiting.from <= last {
-                return Some(waiting.child);
+            if waiting.from() <= last {
+                return Some(waiting.child());
             }
         }
         None
@@ -115,15 +145,14 @@ pub(super) fn closest<L: Lanes, C: Counter>(
     passed: Passed,
     counter: &mut C,
 ) -> Found {
-    let Tree { store, root, reach } = tree;
-    let Some(walk) = WalkRay::new(ray, reach) else {
+    let Some(walk) = WalkRay::new(ray, tree.reach) else {
         return Found::UNUSUAL;
     };
     let lane_ray = LaneRay::new(ray, &walk);
     let mut search = Search::new(ray, &lane_ray, passed);
     let mut last = ray.interval.max * walk.per_t;
     let mut stack = Stack::new();
-    let mut current = root;
+    let mut current = tree.root;
     // SAFETY: the machine has the instructions, by the promise of whoever calls with these lanes; words of the tree name its nodes
     // and blocks; the stack is as high as the tree's depth allows, and read only where it was written.
     unsafe {
@@ -133,7 +162,7 @@ pub(super) fn closest<L: Lanes, C: Counter>(
             if current.is_leaf() {
                 counter.leaf();
                 let block_ray = BlockRay::<L>::new(&lane_ray);
-                let mut block = store.block(current);
+                let mut block = tree.block(current);
                 let mut full = current.full_blocks();
                 let before = search.ends[1];
                 loop {
@@ -159,7 +188,7 @@ pub(super) fn closest<L: Lanes, C: Counter>(
                 }
             } else {
                 counter.node();
-                let node = &*store.node(current);
+                let node = &*tree.node(current);
                 let (hit, from) = node_ray.test(node, last_lanes);
                 if hit != 0 {
                     current = stack.descend(node, hit, from);
@@ -183,12 +212,11 @@ pub(super) fn visit<L: Lanes, C: Counter>(
     counter: &mut C,
     visit: &mut dyn FnMut(u32, &mut C) -> f32,
 ) -> bool {
-    let Tree { store, root, reach } = tree;
-    let Some(walk) = WalkRay::new(ray, reach) else {
+    let Some(walk) = WalkRay::new(ray, tree.reach) else {
         return false;
     };
     let mut stack = Stack::new();
-    let mut current = root;
+    let mut current = tree.root;
     let mut last = ray.interval.max * walk.per_t;
     // SAFETY: as in `closest`.
     unsafe {
@@ -196,7 +224,7 @@ pub(super) fn visit<L: Lanes, C: Counter>(
         loop {
             if current.is_leaf() {
                 counter.leaf();
-                for &number in store.numbers(current) {
+                for &number in tree.store.numbers(current) {
                     let limit = visit(number, counter);
                     if limit < ray.interval.min {
                         return true;
@@ -205,7 +233,7 @@ pub(super) fn visit<L: Lanes, C: Counter>(
                 }
             } else {
                 counter.node();
-                let node = &*store.node(current);
+                let node = &*tree.node(current);
                 let (hit, from) = node_ray.test(node, L::splat(last));
                 if hit != 0 {
                     current = stack.descend(node, hit, from);
@@ -242,15 +270,14 @@ unsafe fn meets_any(ray: &Ray, block: *const f32, count: usize, mut candidates: 
 /// Whether anything is hit.
 #[inline(always)]
 pub(super) fn any<L: Lanes, C: Counter>(tree: Tree<'_>, ray: &Ray, counter: &mut C) -> Occluded {
-    let Tree { store, root, reach } = tree;
-    let Some(walk) = WalkRay::new(ray, reach) else {
+    let Some(walk) = WalkRay::new(ray, tree.reach) else {
         return Occluded::Unusual;
     };
     let lane_ray = LaneRay::new(ray, &walk);
     let ends = lane_ray.ends(ray.interval.min, ray.interval.max);
     let mut stack = [const { MaybeUninit::<Word>::uninit() }; STACK];
     let mut height = 0_usize;
-    let mut current = root;
+    let mut current = tree.root;
     let interval = ray.interval;
     // SAFETY: as in `closest`.
     unsafe {
@@ -260,7 +287,7 @@ pub(super) fn any<L: Lanes, C: Counter>(tree: Tree<'_>, ray: &Ray, counter: &mut
             if current.is_leaf() {
                 counter.leaf();
                 let block_ray = BlockRay::<L>::new(&lane_ray);
-                let mut block = store.block(current);
+                let mut block = tree.block(current);
                 let mut full = current.full_blocks();
                 loop {
                     let count = if full == 0 {
@@ -284,7 +311,7 @@ pub(super) fn any<L: Lanes, C: Counter>(tree: Tree<'_>, ray: &Ray, counter: &mut
                 }
             } else {
                 counter.node();
-                let node = &*store.node(current);
+                let node = &*tree.node(current);
                 let (mut hit, _) = node_ray.test(node, last);
                 if hit != 0 {
                     let child = |lane: usize| *node.children.get_unchecked(lane);
