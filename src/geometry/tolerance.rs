@@ -85,11 +85,11 @@ pub fn edge_function_error(depth: f32, lateral: f32) -> f32 {
 
 /// Error of a depth in lanes, beside that of the edge functions, in units of twice the greatest depth `M`: 16 u.
 ///
-/// In lanes, the depth of a hit along the frame's z is `T / D` with `T = U Az + V Bz + W Cz` and `D = U + V + W`. `E` is the bound on the error of
-/// an edge function. Where none is beyond it on the wrong side, `|U| + |V| + |W| <= |D| + 4 E`. `T` is wrong by `3 E M` for the edge functions, and
-/// by `4u (|D| + 4 E) M` for the roundings of depths, products and sums; `D` by `3 E + 2u (|D| + 4 E)`. The depth of a point of the triangle is at
-/// most `M`, so that the quotient is wrong by at most `2 M (3 E / |D| + 4u (1 + 4 E / |D|))`, and by 3u M more for its inverse, its product and the margin's
-/// subtraction; the ends of the interval, which are products of a rounded `t`, by 2u of themselves. `2 M (4 E / |D| + 16 u)` leaves as much again. Smaller than 7 u:
+/// In lanes, the depth of a hit along the frame's z is `(U / D) Az + (V / D) Bz + (W / D) Cz`, `D = U + V + W`: shares first, since the products `U Az` may leave
+/// the range of `f32`. `E` is the bound on the error of an edge function. Where none is beyond it on the wrong side, `|U| + |V| + |W| <= |D| + 4 E`. The
+/// edge functions' errors change the sum by `3 E M / |D|`, and `D` by `3 E`; the depth of a point of the triangle is at most `M`, so that the quotient is
+/// wrong by at most `6 E M / |D|` for them, and by `8u (1 + 4 E / |D|) M` for the roundings of `D`, its inverse, shares, depths, products and sums. The margin's subtraction adds u, and the
+/// ends of the interval, which are products of a rounded `t`, 2u of themselves: twice `M` at most. `2 M (4 E / |D| + 16 u)` leaves half as much again. Smaller than 7 u:
 /// hits are lost; larger: more of them wait for double precision.
 pub const LANE_DEPTH_ERROR: f32 = 16.0 * U32;
 

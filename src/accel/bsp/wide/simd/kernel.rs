@@ -253,13 +253,13 @@ impl<L: Lanes> BlockRay<L> {
             let misses = least.below_and_above(L::splat(0.0).sub(error), greatest, error);
             let certain = error.below(least) | greatest.below(L::splat(0.0).sub(error));
             // Where along the ray: see `tolerance::LANE_DEPTH_ERROR`.
-            let determinant = u.add(v).add(w);
-            let place = u.mul_add(az, v.mul_add(bz, w.mul(cz)));
-            let place = place.flipped_with(determinant).flipped_with(self.rate);
-            let inverse = L::splat(1.0).div(determinant.abs());
-            let nearest = place.mul(inverse);
-            let share = error
+            let inverse = L::splat(1.0).div(u.add(v).add(w));
+            let nearest = u
                 .mul(inverse)
+                .mul_add(az, v.mul(inverse).mul_add(bz, w.mul(inverse).mul(cz)));
+            let nearest = nearest.flipped_with(self.rate);
+            let share = error
+                .mul(inverse.abs())
                 .mul_add(L::splat(8.0), L::splat(2.0 * LANE_DEPTH_ERROR));
             let margin = depth.mul(share);
             let (near, far) = (nearest.sub(margin), nearest.add(margin));
