@@ -1,6 +1,6 @@
 //! An accelerator behind the line protocol of an outside benchmark, which sends the same rays through several libraries.
 //!
-//! `cargo run --release --example peer_server -- SCENE.tri --accel NAME [--bsp-quality Q] [--batch]`
+//! `cargo run --release --example peer_server -- SCENE.tri --accel NAME [--bsp-quality Q] [--bsp-axes A] [--batch]`
 //!
 //! | it is told | it answers |
 //! | --- | --- |
@@ -20,7 +20,7 @@
 use std::io::{self, BufRead};
 
 use anyhow::{Context, bail};
-use bspray::accel::{Accelerator, AcceleratorKind, BspQuality, BuildOptions, Hit};
+use bspray::accel::{Accelerator, AcceleratorKind, BspAxes, BspQuality, BuildOptions, Hit};
 use bspray::analysis::{Stopwatch, build};
 use bspray::geometry::{Interval, Ray};
 use bspray::scene::{Instance, Part, Scene, TriangleMesh};
@@ -70,13 +70,21 @@ impl Args {
                     args.options.quality =
                         found.with_context(|| format!("--bsp-quality {name}: unknown"))?;
                 }
+                "--bsp-axes" => {
+                    let name = words.next().context("--bsp-axes needs a name")?;
+                    let found = BspAxes::ALL.into_iter().find(|a| a.name() == name);
+                    args.options.axes =
+                        found.with_context(|| format!("--bsp-axes {name}: unknown"))?;
+                }
                 "--batch" => args.is_batch = true,
                 other if args.scene.is_empty() && !other.starts_with("--") => args.scene = word,
                 other => bail!("{other}: unknown argument"),
             }
         }
         if args.scene.is_empty() {
-            bail!("usage: peer_server SCENE.tri --accel NAME [--bsp-quality Q] [--batch]");
+            bail!(
+                "usage: peer_server SCENE.tri --accel NAME [--bsp-quality Q] [--bsp-axes A] [--batch]"
+            );
         }
         Ok(args)
     }

@@ -1,7 +1,7 @@
 //! Arguments for how a BSP is built, and the report on the polygon tree in all its orders.
 
 use bspray::accel::bsp::polygon::{SceneTrees, TreeStats};
-use bspray::accel::{BspOrder, BspQuality, BuildOptions};
+use bspray::accel::{BspAxes, BspOrder, BspQuality, BuildOptions};
 use bspray::scene::Scene;
 use clap::Args;
 use serde_json::{Value, json};
@@ -12,6 +12,9 @@ pub(super) struct BspArgs {
     /// Time spent on building `bsp` against speed of its answers
     #[arg(long, value_name = "QUALITY", default_value_t = BspQuality::default(), value_parser = quality)]
     bsp_quality: BspQuality,
+    /// Whether the planes of `bsp` lie along the polygons' dominant normals where that pays, or along the axes of space
+    #[arg(long, value_name = "AXES", default_value_t = BspAxes::default(), value_parser = axes)]
+    bsp_axes: BspAxes,
     /// Which polygon `bsp-polygon` inserts next
     #[arg(long, value_name = "ORDER", default_value_t = BspOrder::default(), value_parser = order)]
     pub(super) bsp_order: BspOrder,
@@ -24,6 +27,7 @@ impl BspArgs {
     pub(super) fn options(&self, seed: u32) -> BuildOptions {
         BuildOptions {
             quality: self.bsp_quality,
+            axes: self.bsp_axes,
             order: self.bsp_order,
             merges_coplanar: self.bsp_merge,
             seed: u64::from(seed),
@@ -43,6 +47,10 @@ fn one_of<T: Copy, const N: usize>(
 
 fn quality(text: &str) -> Result<BspQuality, String> {
     one_of(BspQuality::ALL, BspQuality::name, text)
+}
+
+fn axes(text: &str) -> Result<BspAxes, String> {
+    one_of(BspAxes::ALL, BspAxes::name, text)
 }
 
 fn order(text: &str) -> Result<BspOrder, String> {

@@ -166,6 +166,13 @@ pub const BVH_FAR: f64 = 1e9;
 /// axis again u S. Together 6 u S, and 2 u for the rounding of `S` and of `D`. Smaller, and rays along faces are lost.
 pub const WALK_ERROR: f32 = 8.0 * U32;
 
+/// As [`WALK_ERROR`] for a tree with axes of its own: 24 u.
+///
+/// The tree's corners and the ray are multiplied by one matrix of entries up to 1, which as such is no error. A turned corner is rounded: u S. A
+/// component of the turned origin is a sum of three products: 3 u S. One of the direction: 3 u of the sum of its magnitudes, which from the origin to a point of
+/// the tree is at most three times the tree's greatest coordinate and the origin's sum: 9 u S. With the 8 u: 21 u, and 3 u to spare.
+pub const TURNED_WALK_ERROR: f32 = 24.0 * U32;
+
 /// Sums of the magnitudes of a direction's components with which the wide BSP's walk stays in the range of `f32`. Other directions
 /// are scaled by a power of two first.
 pub const WALK_LENGTHS: std::ops::RangeInclusive<f32> = 1e-6..=1e6;

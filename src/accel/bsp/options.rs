@@ -7,6 +7,8 @@ use std::fmt;
 pub struct BuildOptions {
     /// For the wide tree: time spent on the build against speed of the answers.
     pub quality: BspQuality,
+    /// For the wide tree: along which axes its planes and extents lie.
+    pub axes: BspAxes,
     /// For the polygon tree: which polygon is inserted next.
     pub order: BspOrder,
     /// For the polygon tree: whether neighbours that lie exactly in one plane enter as one polygon.
@@ -37,6 +39,29 @@ impl BspQuality {
             Self::Fast => "fast",
             Self::Default => "default",
             Self::Best => "best",
+        }
+    }
+}
+
+/// Along which axes the wide tree's planes and extents lie.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum BspAxes {
+    /// Along the dominant normals of the polygons, where that makes the extents a tenth smaller; else along the space's axes.
+    #[default]
+    Auto,
+    /// Along the axes of the space that the polygons are in.
+    Space,
+}
+
+impl BspAxes {
+    /// All of them.
+    pub const ALL: [Self; 2] = [Self::Auto, Self::Space];
+
+    /// The name on the command line and in reports.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Auto => "auto",
+            Self::Space => "space",
         }
     }
 }
@@ -84,6 +109,12 @@ impl BspOrder {
 }
 
 impl fmt::Display for BspQuality {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.name())
+    }
+}
+
+impl fmt::Display for BspAxes {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(self.name())
     }

@@ -8,6 +8,7 @@
 //! Kin: the BVH with spatial splits of Stich, Friedrich, Dietrich 2009; the general BSP of Ize, Wald, Parker 2008; early split clipping of Ernst and
 //! Greiner 2007.
 
+mod axes;
 mod build;
 mod collapse;
 mod fragment;
@@ -21,15 +22,16 @@ mod walk;
 
 pub(in crate::accel) use top::WideTop;
 
-use glam::Vec4;
+use glam::{Vec3, Vec4};
 
-use super::options::BspQuality;
+use super::options::{BspAxes, BspQuality};
 use crate::accel::TraceSet;
 use crate::accel::bake::TriangleSet;
 use crate::accel::counters::{BuildStats, Counter};
 use crate::accel::hit::{Hit, Nearest};
 use crate::accel::names::Names;
 use crate::geometry::{Ray, RayFrame};
+use axes::Axes;
 use build::{Builder, Plan};
 use node::Word;
 use plane::Costs;
@@ -70,7 +72,7 @@ fn plan(quality: BspQuality) -> Plan {
 
 impl WideSet {
     fn tree(&self) -> Tree<'_> {
-        Tree::new(&self.store, self.root, self.reach)
+        Tree::new(&self.store, self.root, &self.reach)
     }
 
     /// Which hits a ray that continues behind another passes over: up to which `t`, and below which number.
@@ -97,16 +99,26 @@ impl WideSet {
         }
     }
 
-    pub(in crate::accel) fn build(triangles: TriangleSet, quality: BspQuality) -> Self {
-        let point = |p: glam::Vec3| p.extend(0.0);
+    pub(in crate::accel) fn build(
+        triangles: TriangleSet,
+        quality: BspQuality,
+        axes: BspAxes,
+    ) -> Self {
+        let axes = match axes {
+            BspAxes::Auto => Axes::of_dominant_normals(triangles.iter().map(|t| &t.triangle)),
+            BspAxes::Space => None,
+        };
+        Self::build_along(axes, &triangles, quality)
+    }
+
+    /// Along axes of its own, or those of space.
+    fn build_along(axes: Option<Axes>, triangles: &TriangleSet, quality: BspQuality) -> Self {
+        let in_tree = |p: Vec3| axes.as_ref().map_or(p, |axes| axes.corner(p)).extend(0.0);
         let corners: Vec<[Vec4; 3]> = triangles
             .iter()
-            .map(|t| t.triangle.corners().map(point))
+            .map(|t| t.triangle.corners().map(in_tree))
             .collect();
-        let largest = corners
-            .iter()
-            .flatten()
-            .fold(0.0_f32, |most, p| most.max(p.abs().max_element()));
+        let reach = Reach::of(triangles.iter().map(|t| &t.triangle), &corners, axes);
         let builder = Builder {
             corners: &corners,
             plan: plan(quality),
@@ -121,10 +133,10 @@ impl WideSet {
         Self {
             store: draft.finish(),
             root,
-            reach: Reach { largest },
+            reach,
             depth,
             instructions: Instructions::best(),
-            names: Names::of(&triangles),
+            names: Names::of(triangles),
         }
     }
 }
@@ -212,7 +224,7 @@ mod tests {
     use crate::accel::counters::Uncounted;
     use crate::geometry::Interval;
     use crate::scene::{Instance, Part, Scene, TriangleMesh};
-    use glam::{DAffine3, Vec3};
+    use glam::{DAffine3, Mat3};
 
     /// Numbers in -1..1 from a seed (SplitMix64).
     struct Numbers(u64);
@@ -267,8 +279,11 @@ mod tests {
     }
 
     fn set(quality: BspQuality) -> WideSet {
-        let mut sets = bake::bake(&scene()).sets;
-        WideSet::build(sets.remove(0), quality)
+        set_along(None, quality)
+    }
+
+    fn set_along(axes: Option<Axes>, quality: BspQuality) -> WideSet {
+        WideSet::build_along(axes, &bake::bake(&scene()).sets[0], quality)
     }
 
     /// From near and far, along axes and grid lines, of all lengths, and within bounds.
@@ -298,8 +313,10 @@ mod tests {
     #[test]
     fn every_set_of_instructions_gives_the_answer_of_testing_everything() {
         let rays = rays();
-        for quality in BspQuality::ALL {
-            let mut tree = set(quality);
+        let turned = Axes::new(Mat3::from_axis_angle(Vec3::ONE.normalize(), 0.5));
+        let along = |axes| BspQuality::ALL.map(|quality| (axes, quality));
+        for (axes, quality) in [None, Some(turned)].into_iter().flat_map(along) {
+            let mut tree = set_along(axes, quality);
             let mut hits = 0;
             for ray in &rays {
                 let mut nearest = Nearest::of(ray);
@@ -311,9 +328,13 @@ mod tests {
                 for instructions in Instructions::available() {
                     tree.instructions = instructions;
                     let found = tree.closest_alone(ray, &mut Uncounted);
-                    assert_eq!(found, truth, "{instructions:?} {quality} {ray:?}");
+                    assert_eq!(found, truth, "{instructions:?} {quality} {axes:?} {ray:?}");
                     let any = tree.any_alone(ray, &mut Uncounted);
-                    assert_eq!(any, truth.is_some(), "{instructions:?} {quality} {ray:?}");
+                    assert_eq!(
+                        any,
+                        truth.is_some(),
+                        "{instructions:?} {quality} {axes:?} {ray:?}"
+                    );
                 }
             }
             assert!(hits > rays.len() / 3, "{hits} hits");

@@ -73,7 +73,10 @@ impl WideTop {
             space,
             store: draft.finish(),
             root,
-            reach: Reach { largest },
+            reach: Reach {
+                largest,
+                axes: None,
+            },
             depth,
             always,
             count: placements.len() as u32,
@@ -100,7 +103,7 @@ impl WideTop {
         let Some(root) = self.root else {
             return Some(());
         };
-        let tree = Tree::new(&self.store, root, self.reach);
+        let tree = Tree::new(&self.store, root, &self.reach);
         simd::visit(self.instructions, tree, &ray, counter, visit).then_some(())
     }
 }

@@ -6,20 +6,24 @@
 
 use glam::{Vec3, Vec4};
 
+use super::axes::Axes;
 use super::simd::parts;
-use crate::geometry::Ray;
 use crate::geometry::tolerance::{
-    BOUND_ROUNDING, LANE_SHEAR_ERROR, LEAST_RATE, WALK_ERROR, WALK_FARTHEST, WALK_LENGTHS,
+    BOUND_ROUNDING, LANE_SHEAR_ERROR, LEAST_RATE, TURNED_WALK_ERROR, WALK_ERROR, WALK_FARTHEST,
+    WALK_LENGTHS,
 };
+use crate::geometry::{Ray, Triangle};
 
 /// A ray ready to walk: `b * inverse + enter` is where it enters the half space beyond a face at `b`. The fourth lanes are of no use.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct WalkRay {
+    /// The ray's, in the space of the triangles, divided by `per_t`.
     pub(super) direction: Vec4,
+    /// In the tree's space, as the following.
     pub(super) inverse: Vec4,
     pub(super) enter: Vec4,
     pub(super) leave: Vec4,
-    /// The direction was divided by this power of two.
+    /// A power of two.
     pub(super) per_t: f32,
     /// The sum of the origin's magnitudes and the greatest coordinate of the tree, as computed.
     pub(super) span: f32,
@@ -46,16 +50,32 @@ pub(super) struct LaneRay {
 /// What is the same for all rays of a tree.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Reach {
-    /// Greatest coordinate of anything in the tree.
+    /// Greatest coordinate of anything in the tree, along its own axes and along the space's.
     pub(super) largest: f32,
+    /// If the tree has axes of its own.
+    pub(super) axes: Option<Axes>,
+}
+
+impl Reach {
+    pub(super) fn of<'a>(
+        triangles: impl Iterator<Item = &'a Triangle>,
+        in_tree: &[[Vec4; 3]],
+        axes: Option<Axes>,
+    ) -> Self {
+        let greatest = |most: f32, p: Vec3| most.max(p.abs().max_element());
+        let plain = triangles.flat_map(|t| *t.corners()).fold(0.0, greatest);
+        let corners = in_tree.iter().flatten().map(|p| p.truncate());
+        let largest = corners.fold(plain, greatest);
+        Self { largest, axes }
+    }
 }
 
 impl WalkRay {
     /// `None` for a ray that is not traceable, and for one from so far off, or of such a direction, that its walk leaves the range
     /// of `f32`: it must be tested against everything.
     #[inline(always)]
-    pub(super) fn new(ray: &Ray, reach: Reach) -> Option<Self> {
-        let origin = parts(&ray.origin);
+    pub(super) fn new(ray: &Ray, reach: &Reach) -> Option<Self> {
+        let mut origin = parts(&ray.origin);
         let mut direction = parts(&ray.direction);
         let mut per_t = 1.0;
         let sum = |v: Vec4| v.x.abs() + v.y.abs() + v.z.abs();
@@ -65,13 +85,18 @@ impl WalkRay {
             let scaled = rescaled(ray.direction)?;
             (direction, per_t) = (scaled.0.extend(0.0), scaled.1);
         }
-        let displacement = WALK_ERROR * span + f32::MIN_POSITIVE;
+        let unturned = direction;
+        let mut displacement = WALK_ERROR * span + f32::MIN_POSITIVE;
+        if let Some(axes) = &reach.axes {
+            (origin, direction) = (axes.turn(origin), axes.turn(direction));
+            displacement = TURNED_WALK_ERROR * span + f32::MIN_POSITIVE;
+        }
         let steepness = Vec4::ONE / direction.abs().max(Vec4::splat(LEAST_RATE));
         let inverse = steepness.copysign(direction);
         let widen = steepness * displacement;
         let middle = origin * inverse;
         (span < WALK_FARTHEST && ray.interval.min <= ray.interval.max).then_some(Self {
-            direction,
+            direction: unturned,
             inverse,
             enter: -(middle + widen),
             leave: widen - middle,
@@ -98,9 +123,8 @@ impl LaneRay {
         let axes = AXES[last];
         // As slices: indexing of vectors branches.
         let origin: &[f32; 3] = ray.origin.as_ref();
-        let (direction, inverse): (&[f32; 4], &[f32; 4]) =
-            (walk.direction.as_ref(), walk.inverse.as_ref());
-        let per_rate = inverse[last];
+        let direction: &[f32; 4] = walk.direction.as_ref();
+        let per_rate = 1.0 / direction[last];
         let span = walk.span * BOUND_ROUNDING;
         Self {
             axes,

@@ -56,7 +56,7 @@ impl<L: Lanes> NodeRay<L> {
     /// As for [`Lanes`].
     #[inline(always)]
     pub(super) unsafe fn new(walk: &WalkRay, first: f32) -> Self {
-        let [near, far] = ROWS_BY_SIGNS[(walk.direction.is_negative_bitmask() & 7) as usize];
+        let [near, far] = ROWS_BY_SIGNS[(walk.inverse.is_negative_bitmask() & 7) as usize];
         // SAFETY: the caller's promise.
         unsafe {
             Self {

@@ -110,12 +110,12 @@ pub(super) struct Tree<'a> {
     nodes: *const Node,
     words: *const u32,
     root: Word,
-    reach: Reach,
+    reach: &'a Reach,
 }
 
 impl<'a> Tree<'a> {
     #[inline(always)]
-    pub(super) fn new(store: &'a Store, root: Word, reach: Reach) -> Self {
+    pub(super) fn new(store: &'a Store, root: Word, reach: &'a Reach) -> Self {
         Self {
             store,
             nodes: store.nodes.as_ptr(),
