@@ -1,6 +1,6 @@
 //! An accelerator behind the line protocol of an outside benchmark, which sends the same rays through several libraries.
 //!
-//! `cargo run --release --example peer_server -- SCENE.tri --accel NAME [--bsp-quality Q] [--bsp-axes A] [--batch]`
+//! `cargo run --release --example peer_server -- SCENE.tri --accel NAME [--bsp-quality Q] [--bsp-axes A] [--bsp-instructions I] [--batch]`
 //!
 //! | it is told | it answers |
 //! | --- | --- |
@@ -20,7 +20,9 @@
 use std::io::{self, BufRead};
 
 use anyhow::{Context, bail};
-use bspray::accel::{Accelerator, AcceleratorKind, BspAxes, BspQuality, BuildOptions, Hit};
+use bspray::accel::{
+    Accelerator, AcceleratorKind, BspAxes, BspInstructions, BspQuality, BuildOptions, Hit,
+};
 use bspray::analysis::{Stopwatch, build};
 use bspray::geometry::{Interval, Ray};
 use bspray::scene::{Instance, Part, Scene, TriangleMesh};
@@ -60,21 +62,19 @@ impl Args {
         while let Some(word) = words.next() {
             match &*word {
                 "--accel" => {
-                    let name = words.next().context("--accel needs a name")?;
-                    let found = AcceleratorKind::ALL.into_iter().find(|k| k.name() == name);
-                    args.kind = found.with_context(|| format!("--accel {name}: unknown"))?;
+                    args.kind = choice(&word, &AcceleratorKind::ALL, |k| k.name(), &mut words)?;
                 }
                 "--bsp-quality" => {
-                    let name = words.next().context("--bsp-quality needs a name")?;
-                    let found = BspQuality::ALL.into_iter().find(|q| q.name() == name);
-                    args.options.quality =
-                        found.with_context(|| format!("--bsp-quality {name}: unknown"))?;
+                    let all = BspQuality::ALL;
+                    args.options.quality = choice(&word, &all, |q| q.name(), &mut words)?;
                 }
                 "--bsp-axes" => {
-                    let name = words.next().context("--bsp-axes needs a name")?;
-                    let found = BspAxes::ALL.into_iter().find(|a| a.name() == name);
-                    args.options.axes =
-                        found.with_context(|| format!("--bsp-axes {name}: unknown"))?;
+                    args.options.axes = choice(&word, &BspAxes::ALL, |a| a.name(), &mut words)?;
+                }
+                "--bsp-instructions" => {
+                    let mut here = BspInstructions::ALL.to_vec();
+                    here.retain(|i| i.is_available());
+                    args.options.instructions = choice(&word, &here, |i| i.name(), &mut words)?;
                 }
                 "--batch" => args.is_batch = true,
                 other if args.scene.is_empty() && !other.starts_with("--") => args.scene = word,
@@ -83,11 +83,25 @@ impl Args {
         }
         if args.scene.is_empty() {
             bail!(
-                "usage: peer_server SCENE.tri --accel NAME [--bsp-quality Q] [--bsp-axes A] [--batch]"
+                "usage: peer_server SCENE.tri --accel NAME [--bsp-quality Q] [--bsp-axes A] [--bsp-instructions I] [--batch]"
             );
         }
         Ok(args)
     }
+}
+
+/// The one of `all` that the next word names.
+fn choice<T: Copy>(
+    option: &str,
+    all: &[T],
+    name: impl Fn(T) -> &'static str,
+    words: &mut impl Iterator<Item = String>,
+) -> anyhow::Result<T> {
+    let word = words
+        .next()
+        .with_context(|| format!("{option} needs a name"))?;
+    let found = all.iter().find(|x| name(**x) == word).copied();
+    found.with_context(|| format!("{option} {word}: unknown, or not on this machine"))
 }
 
 /// The `f32`s of a file, `N` a record.

@@ -17,7 +17,7 @@ mod names;
 mod normalized;
 
 pub use bake::TestSpaces;
-pub use bsp::{BspAxes, BspOrder, BspQuality, BuildOptions};
+pub use bsp::{BspAxes, BspInstructions, BspOrder, BspQuality, BuildOptions};
 pub use counters::{BuildStats, TraceCounters};
 pub use hit::Hit;
 
@@ -241,7 +241,7 @@ impl AcceleratorKind {
             })),
             Self::Bsp => Box::new(Instances::build(
                 baked,
-                |set| bsp::wide::WideSet::build(set, options.quality, options.axes),
+                |set| bsp::wide::WideSet::build(set, options),
                 bsp::wide::WideTop::build,
             )),
             Self::BspPolygon => {

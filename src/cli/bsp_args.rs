@@ -1,7 +1,7 @@
 //! Arguments for how a BSP is built, and the report on the polygon tree in all its orders.
 
 use bspray::accel::bsp::polygon::{SceneTrees, TreeStats};
-use bspray::accel::{BspAxes, BspOrder, BspQuality, BuildOptions};
+use bspray::accel::{BspAxes, BspInstructions, BspOrder, BspQuality, BuildOptions};
 use bspray::scene::Scene;
 use clap::Args;
 use serde_json::{Value, json};
@@ -15,6 +15,9 @@ pub(super) struct BspArgs {
     /// Whether the planes of `bsp` lie along the polygons' dominant normals where that pays, or along the axes of space
     #[arg(long, value_name = "AXES", default_value_t = BspAxes::default(), value_parser = axes)]
     bsp_axes: BspAxes,
+    /// With which instructions `bsp` is walked; the answers are the same
+    #[arg(long, value_name = "NAME", default_value_t = BspInstructions::default(), value_parser = instructions)]
+    bsp_instructions: BspInstructions,
     /// Which polygon `bsp-polygon` inserts next
     #[arg(long, value_name = "ORDER", default_value_t = BspOrder::default(), value_parser = order)]
     pub(super) bsp_order: BspOrder,
@@ -28,6 +31,7 @@ impl BspArgs {
         BuildOptions {
             quality: self.bsp_quality,
             axes: self.bsp_axes,
+            instructions: self.bsp_instructions,
             order: self.bsp_order,
             merges_coplanar: self.bsp_merge,
             seed: u64::from(seed),
@@ -51,6 +55,12 @@ fn quality(text: &str) -> Result<BspQuality, String> {
 
 fn axes(text: &str) -> Result<BspAxes, String> {
     one_of(BspAxes::ALL, BspAxes::name, text)
+}
+
+fn instructions(text: &str) -> Result<BspInstructions, String> {
+    let wanted = one_of(BspInstructions::ALL, BspInstructions::name, text)?;
+    let missing = || format!("this machine has no {wanted}");
+    wanted.is_available().then_some(wanted).ok_or_else(missing)
 }
 
 fn order(text: &str) -> Result<BspOrder, String> {

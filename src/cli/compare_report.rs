@@ -179,6 +179,7 @@ impl CompareReport<'_> {
             "repetitions": options.repetitions,
             "bsp_quality": options.build.quality.name(),
             "bsp_axes": options.build.axes.name(),
+            "bsp_instructions": options.build.instructions.name(),
             "bsp_order": options.build.order.name(),
             "bsp_merges_coplanar": options.build.merges_coplanar,
             "build_threads": self.threads,

@@ -2,6 +2,8 @@
 
 use std::fmt;
 
+use super::wide::Instructions;
+
 /// How an accelerator is built, for those that leave a choice.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct BuildOptions {
@@ -9,6 +11,8 @@ pub struct BuildOptions {
     pub quality: BspQuality,
     /// For the wide tree: along which axes its planes and extents lie.
     pub axes: BspAxes,
+    /// For the wide tree: with which instructions it is walked.
+    pub instructions: BspInstructions,
     /// For the polygon tree: which polygon is inserted next.
     pub order: BspOrder,
     /// For the polygon tree: whether neighbours that lie exactly in one plane enter as one polygon.
@@ -66,6 +70,40 @@ impl BspAxes {
     }
 }
 
+/// With which instructions the wide tree is walked. The answers are the same.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum BspInstructions {
+    /// The best that the machine has; also instead of others that it has not.
+    #[default]
+    Auto,
+    /// AVX-512 with vectors of 256 bits.
+    Avx512,
+    /// AVX2 and FMA.
+    Avx2,
+    /// Those of every machine of the kind.
+    Portable,
+}
+
+impl BspInstructions {
+    /// All of them, the fastest first.
+    pub const ALL: [Self; 4] = [Self::Auto, Self::Avx512, Self::Avx2, Self::Portable];
+
+    /// The name on the command line and in reports.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Auto => "auto",
+            Self::Avx512 => "avx512",
+            Self::Avx2 => "avx2",
+            Self::Portable => "portable",
+        }
+    }
+
+    /// Whether this machine has them.
+    pub fn is_available(self) -> bool {
+        Instructions::chosen(self).is_some()
+    }
+}
+
 /// Which polygon the polygon tree inserts next: the lecture's order, which has a "profound effect on the shape of the final tree".
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum BspOrder {
@@ -115,6 +153,12 @@ impl fmt::Display for BspQuality {
 }
 
 impl fmt::Display for BspAxes {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.name())
+    }
+}
+
+impl fmt::Display for BspInstructions {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(self.name())
     }

@@ -20,11 +20,12 @@ mod store;
 mod top;
 mod walk;
 
+pub(super) use simd::Instructions;
 pub(in crate::accel) use top::WideTop;
 
 use glam::{Vec3, Vec4};
 
-use super::options::{BspAxes, BspQuality};
+use super::options::{BspAxes, BspQuality, BuildOptions};
 use crate::accel::TraceSet;
 use crate::accel::bake::TriangleSet;
 use crate::accel::counters::{BuildStats, Counter};
@@ -35,7 +36,7 @@ use axes::Axes;
 use build::{Builder, Plan};
 use node::Word;
 use plane::Costs;
-use simd::{Instructions, MOST_DEPTH, Occluded, Tree};
+use simd::{MOST_DEPTH, Occluded, Tree};
 use store::{Draft, Store};
 use walk::Reach;
 
@@ -99,16 +100,16 @@ impl WideSet {
         }
     }
 
-    pub(in crate::accel) fn build(
-        triangles: TriangleSet,
-        quality: BspQuality,
-        axes: BspAxes,
-    ) -> Self {
-        let axes = match axes {
+    pub(in crate::accel) fn build(triangles: TriangleSet, options: &BuildOptions) -> Self {
+        let axes = match options.axes {
             BspAxes::Auto => Axes::of_dominant_normals(triangles.iter().map(|t| &t.triangle)),
             BspAxes::Space => None,
         };
-        Self::build_along(axes, &triangles, quality)
+        let instructions = Instructions::chosen(options.instructions);
+        Self {
+            instructions: instructions.unwrap_or_else(Instructions::best),
+            ..Self::build_along(axes, &triangles, options.quality)
+        }
     }
 
     /// Along axes of its own, or those of space.

@@ -18,6 +18,7 @@ pub(super) use single::MOST_DEPTH;
 use crate::accel::counters::Counter;
 use crate::geometry::Ray;
 
+use super::super::options::BspInstructions;
 use super::node::{Node, Word};
 use super::store::{LINE, Store};
 use super::walk::Reach;
@@ -53,6 +54,21 @@ impl Instructions {
         }
         found.push(Self::Portable);
         found
+    }
+
+    /// Those that are asked for, if this machine has them.
+    pub(in crate::accel::bsp) fn chosen(choice: BspInstructions) -> Option<Self> {
+        let wanted = match choice {
+            BspInstructions::Auto => return Some(Self::best()),
+            #[cfg(target_arch = "x86_64")]
+            BspInstructions::Avx512 => Self::Avx512,
+            #[cfg(target_arch = "x86_64")]
+            BspInstructions::Avx2 => Self::Avx2,
+            #[cfg(not(target_arch = "x86_64"))]
+            BspInstructions::Avx512 | BspInstructions::Avx2 => return None,
+            BspInstructions::Portable => Self::Portable,
+        };
+        Self::available().contains(&wanted).then_some(wanted)
     }
 
     /// The best that this machine has.
