@@ -7,15 +7,17 @@ use std::arch::x86_64::{
     _mm256_storeu_ps, _mm256_sub_ps, _mm256_xor_ps,
 };
 
-use super::{Found, Occluded, Passed, Tree, kernel, single};
+use super::{Found, Occluded, Passed, Tree, kernel, single, together};
 use crate::accel::counters::Counter;
 use crate::geometry::Ray;
 
 #[derive(Clone, Copy)]
+#[repr(transparent)]
 pub(super) struct Lanes(__m256);
 
 // SAFETY of all blocks: the trait's promise, and for addresses its own.
 impl kernel::Lanes for Lanes {
+    const WIDTH: usize = 8;
     #[inline(always)]
     unsafe fn splat(x: f32) -> Self {
         // SAFETY: the trait's promise.
@@ -105,6 +107,11 @@ impl kernel::Lanes for Lanes {
             _mm256_movemask_ps(_mm256_and_ps(below, above))
         }) as u32
     }
+    #[inline(always)]
+    unsafe fn signs(self) -> u32 {
+        // SAFETY: the trait's promise.
+        (unsafe { _mm256_movemask_ps(self.0) }) as u32
+    }
 }
 
 /// [`single::closest`] with these instructions.
@@ -142,4 +149,22 @@ pub(super) unsafe fn visit<C: Counter>(
     visit: &mut dyn FnMut(u32, &mut C) -> f32,
 ) -> bool {
     single::visit::<Lanes, C>(tree, ray, counter, visit)
+}
+
+/// [`together::closest_together`] with these instructions.
+///
+/// # Safety
+/// The machine must have them.
+#[target_feature(enable = "avx2,fma,bmi1")]
+pub(super) unsafe fn closest_together(tree: Tree<'_>, rays: &[Ray], found: &mut [Found]) -> u64 {
+    together::closest_together::<Lanes, Lanes>(tree, rays, found)
+}
+
+/// [`together::any_together`] with these instructions.
+///
+/// # Safety
+/// The machine must have them.
+#[target_feature(enable = "avx2,fma,bmi1")]
+pub(super) unsafe fn any_together(tree: Tree<'_>, rays: &[Ray], hits: &mut [bool]) -> u64 {
+    together::any_together::<Lanes, Lanes>(tree, rays, hits)
 }

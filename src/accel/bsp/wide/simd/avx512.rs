@@ -3,19 +3,21 @@
 use std::arch::x86_64::{
     __m256, _CMP_LE_OQ, _CMP_LT_OQ, _mm256_add_ps, _mm256_and_ps, _mm256_andnot_ps,
     _mm256_cmp_ps_mask, _mm256_div_ps, _mm256_fmadd_ps, _mm256_fmsub_ps, _mm256_fnmadd_ps,
-    _mm256_loadu_ps, _mm256_mask_cmp_ps_mask, _mm256_max_ps, _mm256_min_ps, _mm256_mul_ps,
-    _mm256_set1_ps, _mm256_storeu_ps, _mm256_sub_ps, _mm256_xor_ps,
+    _mm256_loadu_ps, _mm256_mask_cmp_ps_mask, _mm256_max_ps, _mm256_min_ps, _mm256_movemask_ps,
+    _mm256_mul_ps, _mm256_set1_ps, _mm256_storeu_ps, _mm256_sub_ps, _mm256_xor_ps,
 };
 
-use super::{Found, Occluded, Passed, Tree, kernel, single};
+use super::{Found, Occluded, Passed, Tree, kernel, single, together};
 use crate::accel::counters::Counter;
 use crate::geometry::Ray;
 
 #[derive(Clone, Copy)]
+#[repr(transparent)]
 pub(super) struct Lanes(__m256);
 
 // SAFETY of all blocks: the trait's promise, and for addresses its own.
 impl kernel::Lanes for Lanes {
+    const WIDTH: usize = 8;
     #[inline(always)]
     unsafe fn splat(x: f32) -> Self {
         // SAFETY: the trait's promise.
@@ -107,6 +109,11 @@ impl kernel::Lanes for Lanes {
             )
         })
     }
+    #[inline(always)]
+    unsafe fn signs(self) -> u32 {
+        // SAFETY: the trait's promise.
+        (unsafe { _mm256_movemask_ps(self.0) }) as u32
+    }
 }
 
 /// [`single::closest`] with these instructions.
@@ -144,4 +151,22 @@ pub(super) unsafe fn visit<C: Counter>(
     visit: &mut dyn FnMut(u32, &mut C) -> f32,
 ) -> bool {
     single::visit::<Lanes, C>(tree, ray, counter, visit)
+}
+
+/// [`together::closest_together`] with these instructions.
+///
+/// # Safety
+/// The machine must have them.
+#[target_feature(enable = "avx2,fma,bmi1,avx512f,avx512vl")]
+pub(super) unsafe fn closest_together(tree: Tree<'_>, rays: &[Ray], found: &mut [Found]) -> u64 {
+    together::closest_together::<Lanes, Lanes>(tree, rays, found)
+}
+
+/// [`together::any_together`] with these instructions.
+///
+/// # Safety
+/// The machine must have them.
+#[target_feature(enable = "avx2,fma,bmi1,avx512f,avx512vl")]
+pub(super) unsafe fn any_together(tree: Tree<'_>, rays: &[Ray], hits: &mut [bool]) -> u64 {
+    together::any_together::<Lanes, Lanes>(tree, rays, hits)
 }

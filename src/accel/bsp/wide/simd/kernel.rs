@@ -1,17 +1,19 @@
-//! What a set of instructions has to offer: eight lanes, and the two tests made of them.
+//! What a set of instructions has to offer: lanes, and the two tests of a ray made of eight of them.
 
 use super::super::node::{Node, WIDTH};
 use super::super::store::HEADER;
 use super::super::walk::{LaneRay, WalkRay};
 use crate::geometry::tolerance::{LANE_DEPTH_ERROR, LEAST_RATE, PRODUCT_ERROR, SHEAR_ERROR};
 
-/// Eight lanes of `f32`.
+/// Lanes of `f32`: as in memory, the first lane first, and nothing else.
 ///
 /// # Safety
 /// Every function may be called only where the machine has the instructions.
 pub(super) trait Lanes: Copy {
+    /// How many.
+    const WIDTH: usize;
     unsafe fn splat(x: f32) -> Self;
-    /// From any address of eight floats.
+    /// From any address of as many floats as there are lanes.
     unsafe fn load(from: *const f32) -> Self;
     unsafe fn store(self, to: &mut [f32; 8]);
     unsafe fn add(self, other: Self) -> Self;
@@ -35,18 +37,34 @@ pub(super) trait Lanes: Copy {
     unsafe fn abs(self) -> Self;
     /// With its sign flipped where `other` is negative.
     unsafe fn flipped_with(self, other: Self) -> Self;
+    /// A bit for each lane whose sign is minus, that of zero too.
+    unsafe fn signs(self) -> u32;
+
+    /// One lane, below [`Lanes::WIDTH`].
+    #[inline(always)]
+    unsafe fn lane(&self, lane: usize) -> f32 {
+        // SAFETY: lanes are as in memory.
+        unsafe { *std::ptr::from_ref(self).cast::<f32>().add(lane) }
+    }
+
+    /// Another value in one lane, below [`Lanes::WIDTH`].
+    #[inline(always)]
+    unsafe fn set_lane(&mut self, lane: usize, value: f32) {
+        // SAFETY: lanes are as in memory.
+        unsafe { *std::ptr::from_mut(self).cast::<f32>().add(lane) = value }
+    }
 }
 
 /// A ray in lanes, for the test of a node.
 #[derive(Clone, Copy)]
 pub(super) struct NodeRay<L> {
-    inverse: [L; 3],
-    enter: [L; 3],
-    leave: [L; 3],
+    pub(super) inverse: [L; 3],
+    pub(super) enter: [L; 3],
+    pub(super) leave: [L; 3],
     /// Rows of a node's bounds where the ray enters, and where it leaves: how many bytes come before them.
-    near: [usize; 3],
-    far: [usize; 3],
-    first: L,
+    pub(super) near: [usize; 3],
+    pub(super) far: [usize; 3],
+    pub(super) first: L,
 }
 
 impl<L: Lanes> NodeRay<L> {
@@ -157,14 +175,14 @@ unsafe fn splat3<L: Lanes>(v: [f32; 3]) -> [L; 3] {
 }
 
 /// Bytes of a row of a node's bounds.
-const ROW: usize = size_of::<[f32; WIDTH]>();
+pub(super) const ROW: usize = size_of::<[f32; WIDTH]>();
 
 /// A row of a node's bounds.
 ///
 /// # Safety
 /// As for [`Lanes`]; `offset` is that of a row.
 #[inline(always)]
-unsafe fn row<L: Lanes>(node: &Node, offset: usize) -> L {
+pub(super) unsafe fn row<L: Lanes>(node: &Node, offset: usize) -> L {
     // SAFETY: the caller's promise.
     unsafe { L::load(node.bounds.as_ptr().byte_add(offset).cast()) }
 }
@@ -172,12 +190,12 @@ unsafe fn row<L: Lanes>(node: &Node, offset: usize) -> L {
 /// A ray in lanes, for the test of a block.
 #[derive(Clone, Copy)]
 pub(super) struct BlockRay<L> {
-    axes: [usize; 3],
-    origin: [L; 3],
-    shear: [L; 2],
+    pub(super) axes: [usize; 3],
+    pub(super) origin: [L; 3],
+    pub(super) shear: [L; 2],
     /// Its sign is the direction's along the frame's z.
-    rate: L,
-    error: f32,
+    pub(super) rate: L,
+    pub(super) error: f32,
 }
 
 impl<L: Lanes> BlockRay<L> {
@@ -241,25 +259,92 @@ impl<L: Lanes> BlockRay<L> {
             let [ax, ay, az] = self.sheared(x, y, z);
             let [bx, by, bz] = self.sheared(x.add(corner), y.add(corner), z.add(corner));
             let [cx, cy, cz] = self.sheared(x.add(next), y.add(next), z.add(next));
-            let u = cx.mul_sub(by, cy.mul(bx));
-            let v = ax.mul_sub(cy, ay.mul(cx));
-            let w = bx.mul_sub(ay, by.mul(ax));
-            let (least, greatest) = (u.min(v).min(w), u.max(v).max(w));
+            let corners = [[ax, ay, az], [bx, by, bz], [cx, cy, cz]];
+            let edges = Edges::of(&corners);
             let lateral = *block + 4.0 * self.error;
             let error = 2.0 * self.error * (lateral + self.error)
                 + PRODUCT_ERROR * lateral * lateral
                 + f32::MIN_POSITIVE;
-            let misses = least.below_and_above(L::splat(-error), greatest, L::splat(error));
-            let met = !misses & ((1 << count) - 1);
+            let met = !edges.misses(L::splat(error)) & ((1 << count) - 1);
             if met == 0 {
-                return Candidates {
-                    possible: 0,
-                    met: 0,
-                    hit: 0,
-                    near: u,
-                    far: u,
-                };
+                return Candidates::none(edges.u);
             }
+            let ends = [L::splat(ends[0]), L::splat(ends[1])];
+            edges.judge(&corners, met, self.rate, ends)
+        }
+    }
+}
+
+/// The edge functions of a triangle and a ray in each lane, of Woop, Benthin and Wald.
+#[derive(Clone, Copy)]
+pub(super) struct Edges<L> {
+    u: L,
+    v: L,
+    w: L,
+    least: L,
+    greatest: L,
+}
+
+impl<L: Lanes> Edges<L> {
+    /// Of sheared corners.
+    ///
+    /// # Safety
+    /// As for [`Lanes`].
+    #[inline(always)]
+    pub(super) unsafe fn of(corners: &[[L; 3]; 3]) -> Self {
+        let [[ax, ay, _], [bx, by, _], [cx, cy, _]] = *corners;
+        // SAFETY: the caller's promise.
+        unsafe {
+            let u = cx.mul_sub(by, cy.mul(bx));
+            let v = ax.mul_sub(cy, ay.mul(cx));
+            let w = bx.mul_sub(ay, by.mul(ax));
+            let (least, greatest) = (u.min(v).min(w), u.max(v).max(w));
+            Self {
+                u,
+                v,
+                w,
+                least,
+                greatest,
+            }
+        }
+    }
+
+    /// The lanes whose ray certainly misses, with a bound on the edge functions' error.
+    ///
+    /// # Safety
+    /// As for [`Lanes`].
+    #[inline(always)]
+    pub(super) unsafe fn misses(&self, error: L) -> u32 {
+        // SAFETY: the caller's promise.
+        unsafe {
+            let below = L::splat(0.0).sub(error);
+            self.least.below_and_above(below, self.greatest, error)
+        }
+    }
+
+    /// What is known of the lanes in `met`: with the error bound of each, and where along the ray they lie. `rate` has the sign of the
+    /// direction along the frame's z; `ends` are the lengths between which a hit matters.
+    ///
+    /// # Safety
+    /// As for [`Lanes`].
+    #[inline(always)]
+    pub(super) unsafe fn judge(
+        &self,
+        corners: &[[L; 3]; 3],
+        met: u32,
+        rate: L,
+        ends: [L; 2],
+    ) -> Candidates<L> {
+        let [[ax, ay, az], [bx, by, bz], [cx, cy, cz]] = *corners;
+        let Self {
+            u,
+            v,
+            w,
+            least,
+            greatest,
+        } = *self;
+        // SAFETY: the caller's promise.
+        unsafe {
             // `edge_function_error`, in lanes.
             let depth = az.abs().max(bz.abs()).max(cz.abs());
             let lateral = ax
@@ -276,10 +361,10 @@ impl<L: Lanes> BlockRay<L> {
             // Where along the ray, times the determinant: see `tolerance::LANE_DEPTH_ERROR`.
             let determinant = u.add(v).add(w);
             let place = u.mul_add(az, v.mul_add(bz, w.mul(cz)));
-            let place = place.flipped_with(determinant).flipped_with(self.rate);
+            let place = place.flipped_with(determinant).flipped_with(rate);
             let determinant = determinant.abs();
             let unsure = determinant.mul_add(L::splat(LANE_DEPTH_ERROR), error.mul(L::splat(4.0)));
-            let (first, last) = (L::splat(ends[0]), L::splat(ends[1]));
+            let [first, last] = ends;
             let from_first = place.sub(determinant.mul(first));
             let to_last = determinant.mul(last).sub(place);
             let at_first = depth.add(first.abs()).mul(unsure);
@@ -314,4 +399,18 @@ pub(super) struct Candidates<L> {
     /// For those met: between which lengths of the ray along the frame's z.
     pub(super) near: L,
     pub(super) far: L,
+}
+
+impl<L: Lanes> Candidates<L> {
+    /// None; any value will do for the lengths.
+    #[inline(always)]
+    pub(super) fn none(any: L) -> Self {
+        Self {
+            possible: 0,
+            met: 0,
+            hit: 0,
+            near: any,
+            far: any,
+        }
+    }
 }

@@ -6,11 +6,17 @@
 mod avx2;
 #[cfg(target_arch = "x86_64")]
 mod avx512;
+mod bundle;
+mod group;
 mod kernel;
 mod portable;
 mod search;
+mod searches;
+mod shaft;
 mod single;
+mod together;
 
+pub(super) use group::GROUP;
 pub(super) use single::MOST_DEPTH;
 
 use crate::accel::counters::Counter;
@@ -70,7 +76,7 @@ pub(super) struct Found {
 }
 
 impl Found {
-    const NOTHING: Self = Self {
+    pub(super) const NOTHING: Self = Self {
         t: f32::INFINITY,
         number: u32::MAX,
     };
@@ -155,4 +161,41 @@ pub(super) fn visit<C: Counter>(
     visit: &mut dyn FnMut(u32, &mut C) -> f32,
 ) -> bool {
     dispatch!(instructions, visit(tree, ray, counter, visit))
+}
+
+/// Calls a function of groups compiled for the machine's instructions.
+macro_rules! dispatch_together {
+    ($instructions:expr, $function:ident($($argument:expr),*)) => {
+        match $instructions {
+            Instructions::Portable => {
+                together::$function::<portable::Lanes, portable::Lanes>($($argument),*)
+            }
+            #[cfg(target_arch = "x86_64")]
+            // SAFETY: `Instructions::available` found them on this machine.
+            Instructions::Avx2 => unsafe { avx2::$function($($argument),*) },
+            #[cfg(target_arch = "x86_64")]
+            // SAFETY: `Instructions::available` found them on this machine.
+            Instructions::Avx512 => unsafe { avx512::$function($($argument),*) },
+        }
+    };
+}
+
+/// The nearest hits of up to [`GROUP`] rays, one at least. A bit for each ray that has no answer and must walk alone.
+pub(super) fn closest_together(
+    instructions: Instructions,
+    tree: Tree<'_>,
+    rays: &[Ray],
+    found: &mut [Found],
+) -> u64 {
+    dispatch_together!(instructions, closest_together(tree, rays, found))
+}
+
+/// Whether anything is hit, for up to [`GROUP`] rays, one at least. A bit for each ray that has no answer and must walk alone.
+pub(super) fn any_together(
+    instructions: Instructions,
+    tree: Tree<'_>,
+    rays: &[Ray],
+    hits: &mut [bool],
+) -> u64 {
+    dispatch_together!(instructions, any_together(tree, rays, hits))
 }

@@ -3,6 +3,7 @@
 use super::kernel;
 
 #[derive(Clone, Copy)]
+#[repr(transparent)]
 pub(super) struct Lanes([f32; 8]);
 
 impl Lanes {
@@ -18,6 +19,7 @@ impl Lanes {
 }
 
 impl kernel::Lanes for Lanes {
+    const WIDTH: usize = 8;
     #[inline(always)]
     unsafe fn splat(x: f32) -> Self {
         Self([x; 8])
@@ -90,5 +92,9 @@ impl kernel::Lanes for Lanes {
     #[inline(always)]
     unsafe fn below_and_above(self, low: Self, other: Self, high: Self) -> u32 {
         Self::bits(|i| self.0[i] < low.0[i] && high.0[i] < other.0[i])
+    }
+    #[inline(always)]
+    unsafe fn signs(self) -> u32 {
+        Self::bits(|i| self.0[i].is_sign_negative())
     }
 }

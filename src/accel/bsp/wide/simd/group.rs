@@ -1,0 +1,338 @@
+//! Groups of rays that go about the same way.
+//!
+//! Up to 64 rays that follow one another, with the same signs and the same largest axis. One test of a node tells which children the
+//! shaft around the whole group meets; a child is entered by the rays whose own test says so. After Wald, Benthin, Slusallek,
+//! Wagner, "Interactive Rendering with Coherent Ray Tracing", 2001, and Overbeck, Ramamoorthi, Mark, "Large Ray Packets for Real-time Whitted Ray
+//! Tracing", 2008.
+
+use std::mem::MaybeUninit;
+
+use super::bundle::{Bundle, Frame, Given};
+use super::kernel::Lanes;
+use super::shaft::Shaft;
+use crate::geometry::Ray;
+use crate::geometry::tolerance::{WALK_FARTHEST, WALK_LENGTHS};
+
+/// Rays of a group at most: those of a tile of 8 x 8 pixels, and the bits of a mask.
+pub(in super::super) const GROUP: usize = 64;
+
+/// Lanes of a vector at most.
+const MOST_WIDTH: usize = 16;
+
+/// Rays that make a group at least; fewer walk alone.
+const LEAST_GROUP: u32 = 8;
+
+/// How far slopes of a group's rays may lie apart.
+const MOST_SPREAD: f32 = 0.25;
+
+/// The rays' places in the group: as if they came row by row from a tile of 8 x 8 pixels, those of 4 x 2 pixels come together.
+const ORDER: [u8; GROUP] = {
+    let mut order = [0; GROUP];
+    let mut place = 0;
+    while place < GROUP {
+        let (column, row) = (place & 3 | place >> 1 & 4, place >> 2 & 1 | place >> 3 & 6);
+        order[place] = (row * 8 + column) as u8;
+        place += 1;
+    }
+    order
+};
+
+/// Rays by place: a row for each coordinate of origins, directions, intervals.
+#[derive(Clone)]
+pub(super) struct Table {
+    rows: [[f32; GROUP]; 8],
+    /// Which rays they are, in the order they were given.
+    pub(super) rays: [u8; GROUP],
+    pub(super) count: usize,
+    /// The places of rays that continue behind a hit.
+    behind: u64,
+}
+
+impl Table {
+    /// Of up to [`GROUP`] rays, one at least.
+    #[inline(always)]
+    pub(super) fn of(rays: &[Ray]) -> Self {
+        let mut table = Self {
+            rows: [[0.0; GROUP]; 8],
+            rays: [0; GROUP],
+            count: 0,
+            behind: 0,
+        };
+        for index in ORDER {
+            let Some(ray) = rays.get(usize::from(index)) else {
+                continue;
+            };
+            let place = table.count;
+            table.rows[0][place] = ray.origin.x;
+            table.rows[1][place] = ray.origin.y;
+            table.rows[2][place] = ray.origin.z;
+            table.rows[3][place] = ray.direction.x;
+            table.rows[4][place] = ray.direction.y;
+            table.rows[5][place] = ray.direction.z;
+            table.rows[6][place] = ray.interval.min;
+            table.rows[7][place] = ray.interval.max;
+            table.rays[place] = index;
+            table.behind |= u64::from(ray.behind.is_some()) << place;
+            table.count += 1;
+        }
+        table.fill();
+        table
+    }
+
+    /// The rays of these places alone.
+    #[inline(never)]
+    fn only(&self, mut places: u64) -> Self {
+        let mut table = Self {
+            rows: [[0.0; GROUP]; 8],
+            rays: [0; GROUP],
+            count: 0,
+            behind: 0,
+        };
+        while places != 0 {
+            let from = places.trailing_zeros() as usize;
+            places &= places - 1;
+            for (row, own) in self.rows.iter().zip(&mut table.rows) {
+                own[table.count] = row[from];
+            }
+            table.rays[table.count] = self.rays[from];
+            table.count += 1;
+        }
+        table.fill();
+        table
+    }
+
+    /// Copies of the last ray fill the places up to the next vector's end.
+    #[inline(always)]
+    fn fill(&mut self) {
+        let end = self.count.next_multiple_of(MOST_WIDTH).min(GROUP);
+        if self.count < end {
+            for row in &mut self.rows {
+                let last = row[self.count - 1];
+                row[self.count..end].fill(last);
+            }
+        }
+    }
+
+    /// As many places as there are lanes, from this on; coordinates in the order of these axes.
+    ///
+    /// # Safety
+    /// As for [`Lanes`].
+    #[inline(always)]
+    unsafe fn load<R: Lanes>(&self, place: usize, axes: [usize; 3]) -> Given<R> {
+        assert!(place + R::WIDTH <= GROUP && axes[0] < 3 && axes[1] < 3 && axes[2] < 3);
+        // SAFETY: the caller's promise.
+        unsafe {
+            Given {
+                origin: [
+                    R::load(self.rows[axes[0]].as_ptr().add(place)),
+                    R::load(self.rows[axes[1]].as_ptr().add(place)),
+                    R::load(self.rows[axes[2]].as_ptr().add(place)),
+                ],
+                direction: [
+                    R::load(self.rows[3 + axes[0]].as_ptr().add(place)),
+                    R::load(self.rows[3 + axes[1]].as_ptr().add(place)),
+                    R::load(self.rows[3 + axes[2]].as_ptr().add(place)),
+                ],
+                interval: [
+                    R::load(self.rows[6].as_ptr().add(place)),
+                    R::load(self.rows[7].as_ptr().add(place)),
+                ],
+            }
+        }
+    }
+
+    /// A bit for each place with a ray.
+    #[inline(always)]
+    pub(super) fn places(&self) -> u64 {
+        u64::MAX >> (GROUP - self.count)
+    }
+}
+
+/// For each property a bit a place.
+struct Traits {
+    /// Whether directions point down along x, y, z.
+    is_down: [u64; 3],
+    /// Whether x is the largest axis; y.
+    is_largest: [u64; 2],
+    /// Whether the ray can walk in a group.
+    usable: u64,
+}
+
+impl Traits {
+    /// # Safety
+    /// As for [`Lanes`].
+    #[inline(always)]
+    unsafe fn of<R: Lanes>(table: &Table, largest: f32) -> Self {
+        let mut traits = Self {
+            is_down: [0; 3],
+            is_largest: [0; 2],
+            usable: 0,
+        };
+        let mut place = 0;
+        while place < GROUP {
+            // SAFETY: the caller's promise; places are below `GROUP`.
+            unsafe {
+                let Given {
+                    origin: [ox, oy, oz],
+                    direction: [x, y, z],
+                    interval: [min, max],
+                } = table.load::<R>(place, [0, 1, 2]);
+                for (axis, d) in [x, y, z].into_iter().enumerate() {
+                    traits.is_down[axis] |= u64::from(d.signs()) << place;
+                }
+                let [x, y, z] = [x.abs(), y.abs(), z.abs()];
+                traits.is_largest[0] |= u64::from(y.below(x) & z.below(x)) << place;
+                traits.is_largest[1] |= u64::from(z.below(y)) << place;
+                let length = x.add(y).add(z);
+                let span = ox.abs().add(oy.abs()).add(oz.abs()).add(R::splat(largest));
+                let usable = R::splat(*WALK_LENGTHS.start()).at_most(length)
+                    & length.at_most(R::splat(*WALK_LENGTHS.end()))
+                    & span.below(R::splat(WALK_FARTHEST))
+                    & min.at_most(max);
+                traits.usable |= u64::from(usable) << place;
+            }
+            place += R::WIDTH;
+        }
+        traits
+    }
+
+    /// The places whose rays have the same traits as that of the first of these, and their frame.
+    #[inline(always)]
+    fn alike(&self, places: u64) -> (u64, Frame) {
+        let first = places.trailing_zeros();
+        let mut alike = places;
+        let mut has = |property: u64| {
+            let has = property >> first & 1 != 0;
+            alike &= if has { property } else { !property };
+            has
+        };
+        let is_down = [
+            has(self.is_down[0]),
+            has(self.is_down[1]),
+            has(self.is_down[2]),
+        ];
+        let axes = if has(self.is_largest[0]) {
+            [1, 2, 0]
+        } else if has(self.is_largest[1]) {
+            [2, 0, 1]
+        } else {
+            [0, 1, 2]
+        };
+        let frame = Frame {
+            axes,
+            is_down: [is_down[axes[0]], is_down[axes[1]], is_down[axes[2]]],
+        };
+        (alike, frame)
+    }
+}
+
+/// The vectors of a group: as many as there are lanes in the narrowest.
+pub(super) type Bundles<R> = [MaybeUninit<Bundle<R>>; GROUP / 8];
+
+/// Rays that walk together.
+pub(super) struct Group<'a, L, R> {
+    pub(super) frame: Frame,
+    pub(super) shaft: Shaft<L>,
+    pub(super) bundles: &'a mut [Bundle<R>],
+}
+
+impl<'a, L: Lanes, R: Lanes> Group<'a, L, R> {
+    /// `None` if the rays go too far apart.
+    ///
+    /// # Safety
+    /// As for [`Lanes`].
+    #[inline(always)]
+    unsafe fn new(
+        table: &Table,
+        frame: Frame,
+        largest: f32,
+        space: &'a mut Bundles<R>,
+    ) -> Option<Self> {
+        let count = table.count.div_ceil(R::WIDTH);
+        // SAFETY: the caller's promise; as many bundles were written.
+        unsafe {
+            for (index, bundle) in space.iter_mut().enumerate().take(count) {
+                let given = table.load::<R>(index * R::WIDTH, frame.axes);
+                bundle.write(Bundle::new(&given, &frame, largest));
+            }
+            let bundles =
+                std::slice::from_raw_parts_mut(space.as_mut_ptr().cast::<Bundle<R>>(), count);
+            let middle = (table.count / 2 / R::WIDTH, table.count / 2 % R::WIDTH);
+            let shaft = Shaft::around(bundles, &frame, largest, middle);
+            let is_narrow = shaft.spread[0] <= MOST_SPREAD && shaft.spread[1] <= MOST_SPREAD;
+            is_narrow.then_some(Self {
+                frame,
+                shaft,
+                bundles,
+            })
+        }
+    }
+}
+
+/// What is done with the groups among some rays.
+pub(super) trait Visit<L, R> {
+    /// # Safety
+    /// As for [`Lanes`].
+    unsafe fn visit(&mut self, group: Group<'_, L, R>, table: &Table);
+}
+
+/// Sorts rays into groups that `visitor` visits. A bit for each ray that is left: it walks alone.
+///
+/// # Safety
+/// As for [`Lanes`].
+#[inline(always)]
+pub(super) unsafe fn visit_groups<L: Lanes, R: Lanes>(
+    rays: &[Ray],
+    largest: f32,
+    visitor: &mut impl Visit<L, R>,
+) -> u64 {
+    let table = Table::of(rays);
+    let mut space: Bundles<R> = [const { MaybeUninit::uninit() }; GROUP / 8];
+    // SAFETY: the caller's promise.
+    unsafe {
+        let traits = Traits::of::<R>(&table, largest);
+        let mut waiting = traits.usable & table.places() & !table.behind;
+        let mut alone = table.places() & !waiting;
+        while waiting != 0 {
+            let (alike, frame) = traits.alike(waiting);
+            waiting &= !alike;
+            let is_visited = if alike.count_ones() < LEAST_GROUP {
+                false
+            } else if alike == table.places() {
+                visit_group(&table, frame, largest, &mut space, visitor)
+            } else {
+                visit_group(&table.only(alike), frame, largest, &mut space, visitor)
+            };
+            if !is_visited {
+                alone |= alike;
+            }
+        }
+        let mut rays = 0;
+        while alone != 0 {
+            let place = alone.trailing_zeros() as usize;
+            alone &= alone - 1;
+            rays |= 1 << table.rays[place];
+        }
+        rays
+    }
+}
+
+/// # Safety
+/// As for [`Lanes`].
+#[inline(always)]
+unsafe fn visit_group<L: Lanes, R: Lanes>(
+    table: &Table,
+    frame: Frame,
+    largest: f32,
+    space: &mut Bundles<R>,
+    visitor: &mut impl Visit<L, R>,
+) -> bool {
+    // SAFETY: the caller's promise.
+    unsafe {
+        let Some(group) = Group::new(table, frame, largest, space) else {
+            return false;
+        };
+        visitor.visit(group, table);
+    }
+    true
+}
