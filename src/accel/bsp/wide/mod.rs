@@ -280,16 +280,15 @@ impl TraceSet for WideSet {
 
     fn any_alone_batch(&self, rays: &[Ray], hits: &mut [bool]) {
         for (rays, hits) in rays.chunks(GROUP).zip(hits.chunks_mut(GROUP)) {
-            let mut alone = simd::any_together(self.instructions, self.tree(), rays, hits);
-            while alone != 0 {
-                let index = alone.trailing_zeros() as usize;
-                alone &= alone - 1;
-                let ray = &rays[index];
-                hits[index] = if ray.behind.is_some() {
-                    self.closest_alone(ray, &mut Uncounted).is_some()
-                } else {
-                    self.any_alone(ray, &mut Uncounted)
-                };
+            let alone = simd::any_together(self.instructions, self.tree(), rays, hits);
+            for (index, (ray, hit)) in rays.iter().zip(hits).enumerate() {
+                if alone >> index & 1 != 0 {
+                    *hit = if ray.behind.is_some() {
+                        self.closest_alone(ray, &mut Uncounted).is_some()
+                    } else {
+                        self.any_alone(ray, &mut Uncounted)
+                    };
+                }
             }
         }
     }

@@ -23,7 +23,7 @@ const MOST_WIDTH: usize = 16;
 const LEAST_GROUP: u32 = 8;
 
 /// How far slopes of a group's rays may lie apart.
-const MOST_SPREAD: f32 = 0.25;
+const MOST_SPREAD: f32 = 0.5;
 
 /// The rays' places in the group: as if they came row by row from a tile of 8 x 8 pixels, those of 4 x 2 pixels come together.
 const ORDER: [u8; GROUP] = {
@@ -139,6 +139,32 @@ impl Table {
                 ],
             }
         }
+    }
+
+    /// Whether slopes lie so far apart that the rays make no group: a quick answer from three of them. The rays of these places are
+    /// in the frame.
+    #[inline(always)]
+    fn is_wide(&self, places: u64, frame: &Frame) -> bool {
+        let rest = places & (places - 1);
+        let upper = places >> (GROUP / 2) << (GROUP / 2);
+        let middle = if upper == 0 { rest } else { upper };
+        let first = self.slopes(places.trailing_zeros() as usize, frame);
+        let middle = self.slopes(middle.trailing_zeros() as usize, frame);
+        let last = self.slopes(GROUP - 1 - places.leading_zeros() as usize, frame);
+        let apart = (first[0] - middle[0])
+            .abs()
+            .max((first[1] - middle[1]).abs())
+            .max((first[0] - last[0]).abs())
+            .max((first[1] - last[1]).abs());
+        apart > MOST_SPREAD
+    }
+
+    /// The slopes x / z and y / z of a direction in the frame.
+    #[inline(always)]
+    fn slopes(&self, place: usize, frame: &Frame) -> [f32; 2] {
+        let [x, y, z] = frame.axes;
+        let z = self.rows[3 + z][place];
+        [self.rows[3 + x][place] / z, self.rows[3 + y][place] / z]
     }
 
     /// A bit for each place with a ray.
@@ -276,6 +302,31 @@ pub(super) trait Visit<L, R> {
     unsafe fn visit(&mut self, group: Group<'_, L, R>, table: &Table);
 }
 
+/// How many rays in equal steps through a group are looked at before anything is done for it, less one.
+const STEPS: usize = 7;
+
+/// Whether so few of the rays go about the same way as others nearby that sorting them would not pay: a quick answer from some of them.
+#[inline(always)]
+fn are_scattered(rays: &[Ray]) -> bool {
+    let mut close = 0;
+    let mut before = compass(&rays[0]);
+    for step in 1..=STEPS {
+        let [x, y, z] = compass(&rays[(rays.len() - 1) * step / STEPS]);
+        let apart = (x - before[0]).abs() + (y - before[1]).abs() + (z - before[2]).abs();
+        close += usize::from(apart < MOST_SPREAD);
+        before = [x, y, z];
+    }
+    2 * close < STEPS
+}
+
+/// The direction, the magnitudes of its components adding up to 1.
+#[inline(always)]
+fn compass(ray: &Ray) -> [f32; 3] {
+    let d = ray.direction;
+    let scale = 1.0 / (d.x.abs() + d.y.abs() + d.z.abs());
+    [d.x * scale, d.y * scale, d.z * scale]
+}
+
 /// Sorts rays into groups that `visitor` visits. A bit for each ray that is left: it walks alone.
 ///
 /// # Safety
@@ -286,6 +337,9 @@ pub(super) unsafe fn visit_groups<L: Lanes, R: Lanes>(
     largest: f32,
     visitor: &mut impl Visit<L, R>,
 ) -> u64 {
+    if rays.len() < LEAST_GROUP as usize || are_scattered(rays) {
+        return u64::MAX;
+    }
     let table = Table::of(rays);
     let mut space: Bundles<R> = [const { MaybeUninit::uninit() }; GROUP / 8];
     // SAFETY: the caller's promise.
@@ -296,7 +350,7 @@ pub(super) unsafe fn visit_groups<L: Lanes, R: Lanes>(
         while waiting != 0 {
             let (alike, frame) = traits.alike(waiting);
             waiting &= !alike;
-            let is_visited = if alike.count_ones() < LEAST_GROUP {
+            let is_visited = if alike.count_ones() < LEAST_GROUP || table.is_wide(alike, &frame) {
                 false
             } else if alike == table.places() {
                 visit_group(&table, frame, largest, &mut space, visitor)
