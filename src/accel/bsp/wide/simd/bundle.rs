@@ -36,33 +36,33 @@ impl Frame {
 }
 
 /// Rays as they are given, a lane each, coordinates in the order of a frame.
-pub(super) struct Given<R> {
-    pub(super) origin: [R; 3],
-    pub(super) direction: [R; 3],
-    pub(super) interval: [R; 2],
+pub(super) struct Given<L> {
+    pub(super) origin: [L; 3],
+    pub(super) direction: [L; 3],
+    pub(super) interval: [L; 2],
 }
 
 /// The faces of a box, the same in all lanes: where rays enter, and where they leave. The frame's z is counted along the rays.
-pub(super) struct Faces<R> {
-    pub(super) near: [R; 3],
-    pub(super) far: [R; 3],
+pub(super) struct Faces<L> {
+    pub(super) near: [L; 3],
+    pub(super) far: [L; 3],
 }
 
 /// Rays in lanes.
 #[derive(Clone, Copy)]
-pub(super) struct Bundle<R> {
-    pub(super) origin: [R; 3],
-    pub(super) shear: [R; 2],
+pub(super) struct Bundle<L> {
+    pub(super) origin: [L; 3],
+    pub(super) shear: [L; 2],
     /// Lengths along the frame's z for one unit of `t`.
-    pub(super) rate: R,
+    pub(super) rate: L,
     /// Bound on the error of a sheared coordinate.
-    error: R,
-    inverse: [R; 2],
-    enter: [R; 3],
-    leave: [R; 3],
+    error: L,
+    inverse: [L; 2],
+    enter: [L; 3],
+    leave: [L; 3],
     /// Lengths between which a hit matters.
-    pub(super) first: R,
-    pub(super) last: R,
+    pub(super) first: L,
+    pub(super) last: L,
 }
 
 /// `a` and `b` added, of each the magnitudes.
@@ -70,27 +70,27 @@ pub(super) struct Bundle<R> {
 /// # Safety
 /// As for [`Lanes`].
 #[inline(always)]
-unsafe fn sum_of_magnitudes<R: Lanes>(v: [R; 3]) -> R {
+unsafe fn sum_of_magnitudes<L: Lanes>(v: [L; 3]) -> L {
     // SAFETY: the caller's promise.
     unsafe { v[0].abs().add(v[1].abs()).add(v[2].abs()) }
 }
 
-impl<R: Lanes> Bundle<R> {
+impl<L: Lanes> Bundle<L> {
     /// Rays that walk, see [`WalkRay`](super::super::walk::WalkRay), in a tree with coordinates up to `largest`.
     ///
     /// # Safety
     /// As for [`Lanes`].
     #[inline(always)]
-    pub(super) unsafe fn new(given: &Given<R>, frame: &Frame, largest: f32) -> Self {
+    pub(super) unsafe fn new(given: &Given<L>, frame: &Frame, largest: f32) -> Self {
         let Given {
             origin, direction, ..
         } = *given;
         // SAFETY: the caller's promise.
         unsafe {
-            let tiny = R::splat(f32::MIN_POSITIVE);
-            let zero = R::splat(0.0);
-            let span = sum_of_magnitudes(origin).add(R::splat(largest));
-            let displacement = span.mul_add(R::splat(GROUP_WALK_ERROR), tiny);
+            let tiny = L::splat(f32::MIN_POSITIVE);
+            let zero = L::splat(0.0);
+            let span = sum_of_magnitudes(origin).add(L::splat(largest));
+            let displacement = span.mul_add(L::splat(GROUP_WALK_ERROR), tiny);
             let rate = direction[2].abs();
             let shear = [
                 direction[0].div(direction[2]),
@@ -98,12 +98,12 @@ impl<R: Lanes> Bundle<R> {
             ];
             let x = Slope::new(origin[0], shear[0], direction[0], displacement);
             let y = Slope::new(origin[1], shear[1], direction[1], displacement);
-            let along = origin[2].mul(R::splat(frame.sign()));
+            let along = origin[2].mul(L::splat(frame.sign()));
             Self {
                 origin,
                 shear,
                 rate,
-                error: span.mul_add(R::splat(SHEAR_ERROR * 1.000_001), tiny),
+                error: span.mul_add(L::splat(SHEAR_ERROR * 1.000_001), tiny),
                 inverse: [x.inverse, y.inverse],
                 enter: [x.enter, y.enter, zero.sub(along.add(displacement))],
                 leave: [x.leave, y.leave, displacement.sub(along)],
@@ -118,7 +118,7 @@ impl<R: Lanes> Bundle<R> {
     /// # Safety
     /// As for [`Lanes`].
     #[inline(always)]
-    pub(super) unsafe fn meet(&self, faces: &Faces<R>) -> u32 {
+    pub(super) unsafe fn meet(&self, faces: &Faces<L>) -> u32 {
         let Faces { near, far } = faces;
         // SAFETY: the caller's promise.
         unsafe {
@@ -140,12 +140,12 @@ impl<R: Lanes> Bundle<R> {
     /// # Safety
     /// As for [`Lanes`].
     #[inline(always)]
-    pub(super) unsafe fn edge_error(&self, lateral_bound: f32) -> R {
+    pub(super) unsafe fn edge_error(&self, lateral_bound: f32) -> L {
         // SAFETY: the caller's promise.
         unsafe {
-            let lateral = self.error.mul_add(R::splat(4.0), R::splat(lateral_bound));
-            let tiny = R::splat(f32::MIN_POSITIVE);
-            let products = lateral.mul(lateral).mul_add(R::splat(PRODUCT_ERROR), tiny);
+            let lateral = self.error.mul_add(L::splat(4.0), L::splat(lateral_bound));
+            let tiny = L::splat(f32::MIN_POSITIVE);
+            let products = lateral.mul(lateral).mul_add(L::splat(PRODUCT_ERROR), tiny);
             self.error
                 .add(self.error)
                 .mul_add(lateral.add(self.error), products)
@@ -157,12 +157,12 @@ impl<R: Lanes> Bundle<R> {
     /// # Safety
     /// As for [`Lanes`]; a float may be read from each place.
     #[inline(always)]
-    unsafe fn sheared(&self, x: *const f32, y: *const f32, z: *const f32) -> [R; 3] {
+    unsafe fn sheared(&self, x: *const f32, y: *const f32, z: *const f32) -> [L; 3] {
         // SAFETY: the caller's promise.
         unsafe {
-            let z = R::splat(*z).sub(self.origin[2]);
-            let x = R::splat(*x).sub(self.origin[0]);
-            let y = R::splat(*y).sub(self.origin[1]);
+            let z = L::splat(*z).sub(self.origin[2]);
+            let x = L::splat(*x).sub(self.origin[0]);
+            let y = L::splat(*y).sub(self.origin[1]);
             [
                 self.shear[0].neg_mul_add(z, x),
                 self.shear[1].neg_mul_add(z, y),
@@ -182,9 +182,9 @@ impl<R: Lanes> Bundle<R> {
         count: usize,
         lane: usize,
         frame: &Frame,
-        error: R,
+        error: L,
         active: u32,
-    ) -> Candidates<R> {
+    ) -> Candidates<L> {
         // SAFETY: the caller's promise.
         unsafe {
             let rows = block.add(HEADER + lane);
@@ -202,7 +202,7 @@ impl<R: Lanes> Bundle<R> {
             if met == 0 {
                 return Candidates::none(error);
             }
-            let sign = R::splat(frame.sign());
+            let sign = L::splat(frame.sign());
             edges.judge(&corners, met, sign, [self.first, self.last])
         }
     }
@@ -212,7 +212,7 @@ impl<R: Lanes> Bundle<R> {
     /// # Safety
     /// As for [`Lanes`]; `lane` is one of them.
     #[inline(always)]
-    pub(super) unsafe fn node_ray<L: Lanes>(&self, lane: usize, frame: &Frame) -> NodeRay<L> {
+    pub(super) unsafe fn node_ray(&self, lane: usize, frame: &Frame) -> NodeRay<L> {
         let [near, far] = frame.rows();
         // SAFETY: the caller's promise.
         unsafe {
@@ -236,7 +236,7 @@ impl<R: Lanes> Bundle<R> {
     /// # Safety
     /// As for [`Lanes`]; `lane` is one of them.
     #[inline(always)]
-    pub(super) unsafe fn block_ray<L: Lanes>(&self, lane: usize, frame: &Frame) -> BlockRay<L> {
+    pub(super) unsafe fn block_ray(&self, lane: usize, frame: &Frame) -> BlockRay<L> {
         // SAFETY: the caller's promise.
         unsafe {
             BlockRay {
@@ -266,7 +266,7 @@ impl<R: Lanes> Bundle<R> {
 /// # Safety
 /// As for [`Lanes`]; `lane` is one of them.
 #[inline(always)]
-unsafe fn splat_lane<R: Lanes, L: Lanes>(v: &[R; 3], lane: usize) -> [L; 3] {
+unsafe fn splat_lane<L: Lanes>(v: &[L; 3], lane: usize) -> [L; 3] {
     // SAFETY: the caller's promise.
     unsafe {
         [
@@ -278,26 +278,26 @@ unsafe fn splat_lane<R: Lanes, L: Lanes>(v: &[R; 3], lane: usize) -> [L; 3] {
 }
 
 /// The rays' walk along x or y: `b * inverse + enter` is the length at which they enter the half space beyond a face at `b`.
-struct Slope<R> {
-    inverse: R,
-    enter: R,
-    leave: R,
+struct Slope<L> {
+    inverse: L,
+    enter: L,
+    leave: L,
 }
 
-impl<R: Lanes> Slope<R> {
+impl<L: Lanes> Slope<L> {
     /// # Safety
     /// As for [`Lanes`].
     #[inline(always)]
-    unsafe fn new(origin: R, shear: R, direction: R, displacement: R) -> Self {
+    unsafe fn new(origin: L, shear: L, direction: L, displacement: L) -> Self {
         // SAFETY: the caller's promise.
         unsafe {
-            let steepness = R::splat(1.0).div(shear.abs().max(R::splat(U32)));
+            let steepness = L::splat(1.0).div(shear.abs().max(L::splat(U32)));
             let widen = steepness.mul(displacement);
             let inverse = steepness.flipped_with(direction);
             let middle = origin.mul(inverse);
             Self {
                 inverse,
-                enter: R::splat(0.0).sub(middle.add(widen)),
+                enter: L::splat(0.0).sub(middle.add(widen)),
                 leave: widen.sub(middle),
             }
         }

@@ -7,6 +7,7 @@
 
 use std::mem::MaybeUninit;
 
+use super::super::node::WIDTH;
 use super::bundle::{Bundle, Frame, Given};
 use super::kernel::Lanes;
 use super::shaft::Shaft;
@@ -15,9 +16,6 @@ use crate::geometry::tolerance::{WALK_FARTHEST, WALK_LENGTHS};
 
 /// Rays of a group at most: those of a tile of 8 x 8 pixels, and the bits of a mask.
 pub(in super::super) const GROUP: usize = 64;
-
-/// Lanes of a vector at most.
-const MOST_WIDTH: usize = 16;
 
 /// Rays that make a group at least; fewer walk alone.
 const LEAST_GROUP: u32 = 8;
@@ -104,7 +102,7 @@ impl Table {
     /// Copies of the last ray fill the places up to the next vector's end.
     #[inline(always)]
     fn fill(&mut self) {
-        let end = self.count.next_multiple_of(MOST_WIDTH).min(GROUP);
+        let end = self.count.next_multiple_of(WIDTH);
         if self.count < end {
             for row in &mut self.rows {
                 let last = row[self.count - 1];
@@ -118,24 +116,24 @@ impl Table {
     /// # Safety
     /// As for [`Lanes`].
     #[inline(always)]
-    unsafe fn load<R: Lanes>(&self, place: usize, axes: [usize; 3]) -> Given<R> {
-        assert!(place + R::WIDTH <= GROUP && axes[0] < 3 && axes[1] < 3 && axes[2] < 3);
+    unsafe fn load<L: Lanes>(&self, place: usize, axes: [usize; 3]) -> Given<L> {
+        assert!(place + WIDTH <= GROUP && axes[0] < 3 && axes[1] < 3 && axes[2] < 3);
         // SAFETY: the caller's promise.
         unsafe {
             Given {
                 origin: [
-                    R::load(self.rows[axes[0]].as_ptr().add(place)),
-                    R::load(self.rows[axes[1]].as_ptr().add(place)),
-                    R::load(self.rows[axes[2]].as_ptr().add(place)),
+                    L::load(self.rows[axes[0]].as_ptr().add(place)),
+                    L::load(self.rows[axes[1]].as_ptr().add(place)),
+                    L::load(self.rows[axes[2]].as_ptr().add(place)),
                 ],
                 direction: [
-                    R::load(self.rows[3 + axes[0]].as_ptr().add(place)),
-                    R::load(self.rows[3 + axes[1]].as_ptr().add(place)),
-                    R::load(self.rows[3 + axes[2]].as_ptr().add(place)),
+                    L::load(self.rows[3 + axes[0]].as_ptr().add(place)),
+                    L::load(self.rows[3 + axes[1]].as_ptr().add(place)),
+                    L::load(self.rows[3 + axes[2]].as_ptr().add(place)),
                 ],
                 interval: [
-                    R::load(self.rows[6].as_ptr().add(place)),
-                    R::load(self.rows[7].as_ptr().add(place)),
+                    L::load(self.rows[6].as_ptr().add(place)),
+                    L::load(self.rows[7].as_ptr().add(place)),
                 ],
             }
         }
@@ -188,7 +186,7 @@ impl Traits {
     /// # Safety
     /// As for [`Lanes`].
     #[inline(always)]
-    unsafe fn of<R: Lanes>(table: &Table, largest: f32) -> Self {
+    unsafe fn of<L: Lanes>(table: &Table, largest: f32) -> Self {
         let mut traits = Self {
             is_down: [0; 3],
             is_largest: [0; 2],
@@ -202,7 +200,7 @@ impl Traits {
                     origin: [ox, oy, oz],
                     direction: [x, y, z],
                     interval: [min, max],
-                } = table.load::<R>(place, [0, 1, 2]);
+                } = table.load::<L>(place, [0, 1, 2]);
                 for (axis, d) in [x, y, z].into_iter().enumerate() {
                     traits.is_down[axis] |= u64::from(d.signs()) << place;
                 }
@@ -210,14 +208,14 @@ impl Traits {
                 traits.is_largest[0] |= u64::from(y.below(x) & z.below(x)) << place;
                 traits.is_largest[1] |= u64::from(z.below(y)) << place;
                 let length = x.add(y).add(z);
-                let span = ox.abs().add(oy.abs()).add(oz.abs()).add(R::splat(largest));
-                let usable = R::splat(*WALK_LENGTHS.start()).at_most(length)
-                    & length.at_most(R::splat(*WALK_LENGTHS.end()))
-                    & span.below(R::splat(WALK_FARTHEST))
+                let span = ox.abs().add(oy.abs()).add(oz.abs()).add(L::splat(largest));
+                let usable = L::splat(*WALK_LENGTHS.start()).at_most(length)
+                    & length.at_most(L::splat(*WALK_LENGTHS.end()))
+                    & span.below(L::splat(WALK_FARTHEST))
                     & min.at_most(max);
                 traits.usable |= u64::from(usable) << place;
             }
-            place += R::WIDTH;
+            place += WIDTH;
         }
         traits
     }
@@ -252,17 +250,17 @@ impl Traits {
     }
 }
 
-/// The vectors of a group: as many as there are lanes in the narrowest.
-pub(super) type Bundles<R> = [MaybeUninit<Bundle<R>>; GROUP / 8];
+/// The vectors of a group.
+pub(super) type Bundles<L> = [MaybeUninit<Bundle<L>>; GROUP / WIDTH];
 
 /// Rays that walk together.
-pub(super) struct Group<'a, L, R> {
+pub(super) struct Group<'a, L> {
     pub(super) frame: Frame,
     pub(super) shaft: Shaft<L>,
-    pub(super) bundles: &'a mut [Bundle<R>],
+    pub(super) bundles: &'a mut [Bundle<L>],
 }
 
-impl<'a, L: Lanes, R: Lanes> Group<'a, L, R> {
+impl<'a, L: Lanes> Group<'a, L> {
     /// `None` if the rays go too far apart.
     ///
     /// # Safety
@@ -272,18 +270,18 @@ impl<'a, L: Lanes, R: Lanes> Group<'a, L, R> {
         table: &Table,
         frame: Frame,
         largest: f32,
-        space: &'a mut Bundles<R>,
+        space: &'a mut Bundles<L>,
     ) -> Option<Self> {
-        let count = table.count.div_ceil(R::WIDTH);
+        let count = table.count.div_ceil(WIDTH);
         // SAFETY: the caller's promise; as many bundles were written.
         unsafe {
             for (index, bundle) in space.iter_mut().enumerate().take(count) {
-                let given = table.load::<R>(index * R::WIDTH, frame.axes);
+                let given = table.load::<L>(index * WIDTH, frame.axes);
                 bundle.write(Bundle::new(&given, &frame, largest));
             }
             let bundles =
-                std::slice::from_raw_parts_mut(space.as_mut_ptr().cast::<Bundle<R>>(), count);
-            let middle = (table.count / 2 / R::WIDTH, table.count / 2 % R::WIDTH);
+                std::slice::from_raw_parts_mut(space.as_mut_ptr().cast::<Bundle<L>>(), count);
+            let middle = (table.count / 2 / WIDTH, table.count / 2 % WIDTH);
             let shaft = Shaft::around(bundles, &frame, largest, middle);
             let is_narrow = shaft.spread[0] <= MOST_SPREAD && shaft.spread[1] <= MOST_SPREAD;
             is_narrow.then_some(Self {
@@ -296,10 +294,10 @@ impl<'a, L: Lanes, R: Lanes> Group<'a, L, R> {
 }
 
 /// What is done with the groups among some rays.
-pub(super) trait Visit<L, R> {
+pub(super) trait Visit<L> {
     /// # Safety
     /// As for [`Lanes`].
-    unsafe fn visit(&mut self, group: Group<'_, L, R>, table: &Table);
+    unsafe fn visit(&mut self, group: Group<'_, L>, table: &Table);
 }
 
 /// How many rays in equal steps through a group are looked at before anything is done for it, less one.
@@ -332,19 +330,19 @@ fn compass(ray: &Ray) -> [f32; 3] {
 /// # Safety
 /// As for [`Lanes`].
 #[inline(always)]
-pub(super) unsafe fn visit_groups<L: Lanes, R: Lanes>(
+pub(super) unsafe fn visit_groups<L: Lanes>(
     rays: &[Ray],
     largest: f32,
-    visitor: &mut impl Visit<L, R>,
+    visitor: &mut impl Visit<L>,
 ) -> u64 {
     if rays.len() < LEAST_GROUP as usize || are_scattered(rays) {
         return u64::MAX;
     }
     let table = Table::of(rays);
-    let mut space: Bundles<R> = [const { MaybeUninit::uninit() }; GROUP / 8];
+    let mut space: Bundles<L> = [const { MaybeUninit::uninit() }; GROUP / WIDTH];
     // SAFETY: the caller's promise.
     unsafe {
-        let traits = Traits::of::<R>(&table, largest);
+        let traits = Traits::of::<L>(&table, largest);
         let mut waiting = traits.usable & table.places() & !table.behind;
         let mut alone = table.places() & !waiting;
         while waiting != 0 {
@@ -374,12 +372,12 @@ pub(super) unsafe fn visit_groups<L: Lanes, R: Lanes>(
 /// # Safety
 /// As for [`Lanes`].
 #[inline(always)]
-unsafe fn visit_group<L: Lanes, R: Lanes>(
+unsafe fn visit_group<L: Lanes>(
     table: &Table,
     frame: Frame,
     largest: f32,
-    space: &mut Bundles<R>,
-    visitor: &mut impl Visit<L, R>,
+    space: &mut Bundles<L>,
+    visitor: &mut impl Visit<L>,
 ) -> bool {
     // SAFETY: the caller's promise.
     unsafe {

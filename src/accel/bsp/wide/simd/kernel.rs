@@ -5,15 +5,13 @@ use super::super::store::HEADER;
 use super::super::walk::{LaneRay, WalkRay};
 use crate::geometry::tolerance::{LANE_DEPTH_ERROR, LEAST_RATE, PRODUCT_ERROR, SHEAR_ERROR};
 
-/// Lanes of `f32`: as in memory, the first lane first, and nothing else.
+/// Eight lanes of `f32`: as in memory, the first lane first, and nothing else.
 ///
 /// # Safety
 /// Every function may be called only where the machine has the instructions.
 pub(super) trait Lanes: Copy {
-    /// How many.
-    const WIDTH: usize;
     unsafe fn splat(x: f32) -> Self;
-    /// From any address of as many floats as there are lanes.
+    /// From any address of eight floats.
     unsafe fn load(from: *const f32) -> Self;
     unsafe fn store(self, to: &mut [f32; 8]);
     unsafe fn add(self, other: Self) -> Self;
@@ -39,15 +37,19 @@ pub(super) trait Lanes: Copy {
     unsafe fn flipped_with(self, other: Self) -> Self;
     /// A bit for each lane whose sign is minus, that of zero too.
     unsafe fn signs(self) -> u32;
+    /// The least of all lanes, none of which is a NaN.
+    unsafe fn least(self) -> f32;
+    /// The greatest.
+    unsafe fn greatest(self) -> f32;
 
-    /// One lane, below [`Lanes::WIDTH`].
+    /// One lane, below 8.
     #[inline(always)]
     unsafe fn lane(&self, lane: usize) -> f32 {
         // SAFETY: lanes are as in memory.
         unsafe { *std::ptr::from_ref(self).cast::<f32>().add(lane) }
     }
 
-    /// Another value in one lane, below [`Lanes::WIDTH`].
+    /// Another value in one lane, below 8.
     #[inline(always)]
     unsafe fn set_lane(&mut self, lane: usize, value: f32) {
         // SAFETY: lanes are as in memory.

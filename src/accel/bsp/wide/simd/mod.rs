@@ -168,7 +168,7 @@ macro_rules! dispatch_together {
     ($instructions:expr, $function:ident($($argument:expr),*)) => {
         match $instructions {
             Instructions::Portable => {
-                together::$function::<portable::Lanes, portable::Lanes>($($argument),*)
+                together::$function::<portable::Lanes>($($argument),*)
             }
             #[cfg(target_arch = "x86_64")]
             // SAFETY: `Instructions::available` found them on this machine.

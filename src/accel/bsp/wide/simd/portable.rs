@@ -19,7 +19,6 @@ impl Lanes {
 }
 
 impl kernel::Lanes for Lanes {
-    const WIDTH: usize = 8;
     #[inline(always)]
     unsafe fn splat(x: f32) -> Self {
         Self([x; 8])
@@ -96,5 +95,13 @@ impl kernel::Lanes for Lanes {
     #[inline(always)]
     unsafe fn signs(self) -> u32 {
         Self::bits(|i| self.0[i].is_sign_negative())
+    }
+    #[inline(always)]
+    unsafe fn least(self) -> f32 {
+        self.0.into_iter().fold(f32::INFINITY, f32::min)
+    }
+    #[inline(always)]
+    unsafe fn greatest(self) -> f32 {
+        self.0.into_iter().fold(f32::NEG_INFINITY, f32::max)
     }
 }

@@ -5,6 +5,7 @@
 
 use std::mem::MaybeUninit;
 
+use super::super::node::WIDTH;
 use super::Found;
 use super::group::{GROUP, Group, Table};
 use super::kernel::{Candidates, Lanes};
@@ -39,8 +40,8 @@ impl Pending {
 }
 
 /// Searches, one for each ray of a group.
-pub(super) struct Searches<'a, L, R> {
-    pub(super) group: Group<'a, L, R>,
+pub(super) struct Searches<'a, L> {
+    pub(super) group: Group<'a, L>,
     table: &'a Table,
     rays: &'a [Ray],
     pending: [Pending; GROUP],
@@ -50,9 +51,9 @@ pub(super) struct Searches<'a, L, R> {
     exact: u64,
 }
 
-impl<'a, L: Lanes, R: Lanes> Searches<'a, L, R> {
+impl<'a, L: Lanes> Searches<'a, L> {
     #[inline(always)]
-    pub(super) fn new(group: Group<'a, L, R>, table: &'a Table, rays: &'a [Ray]) -> Self {
+    pub(super) fn new(group: Group<'a, L>, table: &'a Table, rays: &'a [Ray]) -> Self {
         Self {
             group,
             table,
@@ -78,13 +79,14 @@ impl<'a, L: Lanes, R: Lanes> Searches<'a, L, R> {
             if is_by_triangle(
                 active.count_ones(),
                 possible.count_ones(),
-                vectors::<R>(active),
+                vectors(active).count_ones(),
             ) {
-                for index in 0..self.group.bundles.len() {
-                    let part = Group::<L, R>::part(active, index);
-                    if part != 0 {
-                        self.test_triangles(block, count, possible, index, part);
-                    }
+                let mut vectors = vectors(active);
+                while vectors != 0 {
+                    let first = vectors.trailing_zeros() as usize;
+                    vectors &= vectors - 1;
+                    let part = (active >> first) as u32 & 0xff;
+                    self.test_triangles(block, count, possible, first, part);
                 }
                 return;
             }
@@ -93,10 +95,10 @@ impl<'a, L: Lanes, R: Lanes> Searches<'a, L, R> {
                 let place = left.trailing_zeros() as usize;
                 left &= left - 1;
                 let (bundle, lane) = (
-                    self.group.bundles.get_unchecked(place / R::WIDTH),
-                    place % R::WIDTH,
+                    self.group.bundles.get_unchecked(place / WIDTH),
+                    place % WIDTH,
                 );
-                let block_ray = bundle.block_ray::<L>(lane, &self.group.frame);
+                let block_ray = bundle.block_ray(lane, &self.group.frame);
                 let candidates = block_ray.test(block, count, bundle.ends(lane));
                 if candidates.possible != 0 {
                     self.take_of_block(place, block, count, candidates);
@@ -115,23 +117,27 @@ impl<'a, L: Lanes, R: Lanes> Searches<'a, L, R> {
         block: *const f32,
         count: usize,
         mut triangles: u32,
-        index: usize,
+        first: usize,
         part: u32,
     ) {
         // SAFETY: the caller's promise.
         unsafe {
-            let error = self.group.bundles.get_unchecked(index).edge_error(*block);
+            let error = self
+                .group
+                .bundles
+                .get_unchecked(first / WIDTH)
+                .edge_error(*block);
             while triangles != 0 {
                 let triangle = triangles.trailing_zeros() as usize;
                 triangles &= triangles - 1;
-                let bundle = self.group.bundles.get_unchecked(index);
+                let bundle = self.group.bundles.get_unchecked(first / WIDTH);
                 let frame = &self.group.frame;
                 let candidates = bundle.test(block, count, triangle, frame, error, part);
                 let mut left = candidates.possible;
                 while left != 0 {
                     let lane = left.trailing_zeros() as usize;
                     left &= left - 1;
-                    let place = index * R::WIDTH + lane;
+                    let place = first + lane;
                     let pending = Pending {
                         block,
                         count_and_lane: (count << 3 | triangle) as u32,
@@ -181,8 +187,8 @@ impl<'a, L: Lanes, R: Lanes> Searches<'a, L, R> {
     unsafe fn take(&mut self, place: usize, is_met: bool, pending: Pending, far: f32) {
         // SAFETY: the caller's promise: places are below `GROUP`.
         unsafe {
-            let bundle = self.group.bundles.get_unchecked_mut(place / R::WIDTH);
-            let lane = place % R::WIDTH;
+            let bundle = self.group.bundles.get_unchecked_mut(place / WIDTH);
+            let lane = place % WIDTH;
             if !is_met {
                 self.settle(place, pending);
                 return;
@@ -263,8 +269,8 @@ impl<'a, L: Lanes, R: Lanes> Searches<'a, L, R> {
         }
         self.exact |= 1 << place;
         self.found[place].write(Found { t, number });
-        let bundle = &mut self.group.bundles[place / R::WIDTH];
-        let lane = place % R::WIDTH;
+        let bundle = &mut self.group.bundles[place / WIDTH];
+        let lane = place % WIDTH;
         // SAFETY: the caller's promise.
         unsafe {
             let length = (t * bundle.rate.lane(lane)).next_up();

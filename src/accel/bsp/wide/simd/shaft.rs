@@ -35,12 +35,12 @@ pub(super) struct Shaft<L> {
 }
 
 /// Least and greatest of lanes, and of all.
-struct Range<R> {
-    least: R,
-    greatest: R,
+struct Range<L> {
+    least: L,
+    greatest: L,
 }
 
-impl<R: Lanes> Range<R> {
+impl<L: Lanes> Range<L> {
     /// # Safety
     /// As for [`Lanes`].
     #[inline(always)]
@@ -48,8 +48,8 @@ impl<R: Lanes> Range<R> {
         // SAFETY: the caller's promise.
         unsafe {
             Self {
-                least: R::splat(f32::INFINITY),
-                greatest: R::splat(f32::NEG_INFINITY),
+                least: L::splat(f32::INFINITY),
+                greatest: L::splat(f32::NEG_INFINITY),
             }
         }
     }
@@ -57,7 +57,7 @@ impl<R: Lanes> Range<R> {
     /// # Safety
     /// As for [`Lanes`].
     #[inline(always)]
-    unsafe fn add(&mut self, x: R) {
+    unsafe fn add(&mut self, x: L) {
         // SAFETY: the caller's promise.
         unsafe {
             self.least = self.least.min(x);
@@ -69,15 +69,8 @@ impl<R: Lanes> Range<R> {
     /// As for [`Lanes`].
     #[inline(always)]
     unsafe fn ends(&self) -> [f32; 2] {
-        let (mut least, mut greatest) = (f32::INFINITY, f32::NEG_INFINITY);
-        for lane in 0..R::WIDTH {
-            // SAFETY: the caller's promise.
-            unsafe {
-                least = least.min(self.least.lane(lane));
-                greatest = greatest.max(self.greatest.lane(lane));
-            }
-        }
-        [least, greatest]
+        // SAFETY: the caller's promise.
+        unsafe { [self.least.least(), self.greatest.greatest()] }
     }
 }
 
@@ -87,8 +80,8 @@ impl<L: Lanes> Shaft<L> {
     /// # Safety
     /// As for [`Lanes`].
     #[inline(always)]
-    pub(super) unsafe fn around<R: Lanes>(
-        bundles: &[Bundle<R>],
+    pub(super) unsafe fn around(
+        bundles: &[Bundle<L>],
         frame: &Frame,
         largest: f32,
         middle: (usize, usize),
@@ -96,10 +89,10 @@ impl<L: Lanes> Shaft<L> {
         let sign = frame.sign();
         // SAFETY: the caller's promise.
         unsafe {
-            let (mut begin, mut end) = (Range::<R>::empty(), Range::<R>::empty());
-            let (mut x_slope, mut y_slope) = (Range::<R>::empty(), Range::<R>::empty());
-            let mut spans = Range::<R>::empty();
-            let along = R::splat(sign);
+            let (mut begin, mut end) = (Range::<L>::empty(), Range::<L>::empty());
+            let (mut x_slope, mut y_slope) = (Range::<L>::empty(), Range::<L>::empty());
+            let mut spans = Range::<L>::empty();
+            let along = L::splat(sign);
             for bundle in bundles {
                 begin.add(bundle.origin[2].mul_add(along, bundle.first));
                 end.add(bundle.origin[2].mul_add(along, bundle.last));
@@ -113,12 +106,12 @@ impl<L: Lanes> Shaft<L> {
             let begin = begin.ends()[0].clamp(-largest, largest) - pad;
             let end = end.ends()[1].clamp(-largest, largest) + pad;
             let (begin, end) = (begin * sign, end * sign);
-            let mut x = [Range::<R>::empty(), Range::<R>::empty()];
-            let mut y = [Range::<R>::empty(), Range::<R>::empty()];
+            let mut x = [Range::<L>::empty(), Range::<L>::empty()];
+            let mut y = [Range::<L>::empty(), Range::<L>::empty()];
             for bundle in bundles {
                 let (to_begin, to_end) = (
-                    R::splat(begin).sub(bundle.origin[2]),
-                    R::splat(end).sub(bundle.origin[2]),
+                    L::splat(begin).sub(bundle.origin[2]),
+                    L::splat(end).sub(bundle.origin[2]),
                 );
                 x[0].add(bundle.shear[0].mul_add(to_begin, bundle.origin[0]));
                 x[1].add(bundle.shear[0].mul_add(to_end, bundle.origin[0]));
@@ -127,7 +120,7 @@ impl<L: Lanes> Shaft<L> {
             }
             let [x_low, x_high] = sides(&x, [begin, end], pad, frame.axes[2]);
             let [y_low, y_high] = sides(&y, [begin, end], pad, frame.axes[2]);
-            let order = bundles[middle.0].node_ray::<L>(middle.1, frame);
+            let order = bundles[middle.0].node_ray(middle.1, frame);
             let [x_slope, y_slope] = [x_slope.ends(), y_slope.ends()];
             Self {
                 low: [x_low, y_low],
@@ -235,8 +228,8 @@ unsafe fn beyond<L: Lanes>(low: &Side<L>, high: &Side<L>, x: &[L; 3], z: &[L; 3]
 /// # Safety
 /// As for [`Lanes`].
 #[inline(always)]
-unsafe fn sides<L: Lanes, R: Lanes>(
-    ranges: &[Range<R>; 2],
+unsafe fn sides<L: Lanes>(
+    ranges: &[Range<L>; 2],
     z: [f32; 2],
     pad: f32,
     axis: usize,

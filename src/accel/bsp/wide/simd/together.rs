@@ -84,13 +84,7 @@ impl Children {
     }
 }
 
-impl<L: Lanes, R: Lanes> Group<'_, L, R> {
-    /// The bits of a vector's rays.
-    #[inline(always)]
-    pub(super) fn part(active: u64, bundle: usize) -> u32 {
-        (active >> (bundle * R::WIDTH)) as u32 & ((1 << R::WIDTH) - 1)
-    }
-
+impl<L: Lanes> Group<'_, L> {
     /// Of the active rays, those that meet a child of a node.
     ///
     /// # Safety
@@ -104,25 +98,25 @@ impl<L: Lanes, R: Lanes> Group<'_, L, R> {
             let sign = self.frame.sign();
             let faces = Faces {
                 near: [
-                    R::splat(bound(node, near[0], lane)),
-                    R::splat(bound(node, near[1], lane)),
-                    R::splat(bound(node, near[2], lane) * sign),
+                    L::splat(bound(node, near[0], lane)),
+                    L::splat(bound(node, near[1], lane)),
+                    L::splat(bound(node, near[2], lane) * sign),
                 ],
                 far: [
-                    R::splat(bound(node, far[0], lane)),
-                    R::splat(bound(node, far[1], lane)),
-                    R::splat(bound(node, far[2], lane) * sign),
+                    L::splat(bound(node, far[0], lane)),
+                    L::splat(bound(node, far[1], lane)),
+                    L::splat(bound(node, far[2], lane) * sign),
                 ],
             };
-            for (index, bundle) in self.bundles.iter().enumerate() {
-                let part = Self::part(active, index);
-                if part != 0 {
-                    let meeting = bundle.meet(&faces) & part;
-                    entering |= u64::from(meeting) << (index * R::WIDTH);
-                }
+            let mut vectors = vectors(active);
+            while vectors != 0 {
+                let place = vectors.trailing_zeros() as usize;
+                vectors &= vectors - 1;
+                let bundle = self.bundles.get_unchecked(place / WIDTH);
+                entering |= u64::from(bundle.meet(&faces)) << place;
             }
         }
-        entering
+        entering & active
     }
 }
 
@@ -149,9 +143,9 @@ struct Closest<'a> {
     found: &'a mut [Found],
 }
 
-impl<L: Lanes, R: Lanes> Visit<L, R> for Closest<'_> {
+impl<L: Lanes> Visit<L> for Closest<'_> {
     #[inline(always)]
-    unsafe fn visit(&mut self, group: Group<'_, L, R>, table: &Table) {
+    unsafe fn visit(&mut self, group: Group<'_, L>, table: &Table) {
         // SAFETY: the caller's promise.
         unsafe { closest_of_group(self.tree, group, table, self.rays, self.found) }
     }
@@ -159,22 +153,18 @@ impl<L: Lanes, R: Lanes> Visit<L, R> for Closest<'_> {
 
 /// The nearest hits of up to [`GROUP`] rays, one at least. A bit for each ray that has no answer and must walk alone.
 #[inline(always)]
-pub(super) fn closest_together<L: Lanes, R: Lanes>(
-    tree: Tree<'_>,
-    rays: &[Ray],
-    found: &mut [Found],
-) -> u64 {
+pub(super) fn closest_together<L: Lanes>(tree: Tree<'_>, rays: &[Ray], found: &mut [Found]) -> u64 {
     let mut closest = Closest { tree, rays, found };
     // SAFETY: the machine has the instructions, by the promise of whoever calls with these lanes.
-    unsafe { visit_groups::<L, R>(rays, tree.reach.largest, &mut closest) }
+    unsafe { visit_groups::<L>(rays, tree.reach.largest, &mut closest) }
 }
 
 /// # Safety
 /// As for [`Lanes`].
 #[inline(always)]
-unsafe fn closest_of_group<L: Lanes, R: Lanes>(
+unsafe fn closest_of_group<L: Lanes>(
     tree: Tree<'_>,
-    group: Group<'_, L, R>,
+    group: Group<'_, L>,
     table: &Table,
     rays: &[Ray],
     found: &mut [Found],
@@ -235,23 +225,23 @@ unsafe fn closest_of_group<L: Lanes, R: Lanes>(
 /// # Safety
 /// As for [`Lanes`]; `place` has a ray.
 #[inline(always)]
-unsafe fn closest_alone<L: Lanes, R: Lanes>(
+unsafe fn closest_alone<L: Lanes>(
     tree: Tree<'_>,
     word: Word,
     place: usize,
-    searches: &mut Searches<'_, L, R>,
+    searches: &mut Searches<'_, L>,
 ) {
-    let (index, lane) = (place / R::WIDTH, place % R::WIDTH);
+    let (index, lane) = (place / WIDTH, place % WIDTH);
     let mut stack = Stack::new();
     let mut current = word;
     // SAFETY: as in `closest_of_group`.
     unsafe {
-        let node_ray = searches.group.bundles[index].node_ray::<L>(lane, &searches.group.frame);
+        let node_ray = searches.group.bundles[index].node_ray(lane, &searches.group.frame);
         loop {
             let last = searches.group.bundles[index].last.lane(lane);
             if current.is_leaf() {
                 let block_ray =
-                    searches.group.bundles[index].block_ray::<L>(lane, &searches.group.frame);
+                    searches.group.bundles[index].block_ray(lane, &searches.group.frame);
                 let mut block = tree.store.block(current);
                 let mut full = current.full_blocks();
                 loop {
@@ -294,9 +284,9 @@ struct Any<'a> {
     hits: &'a mut [bool],
 }
 
-impl<L: Lanes, R: Lanes> Visit<L, R> for Any<'_> {
+impl<L: Lanes> Visit<L> for Any<'_> {
     #[inline(always)]
-    unsafe fn visit(&mut self, group: Group<'_, L, R>, table: &Table) {
+    unsafe fn visit(&mut self, group: Group<'_, L>, table: &Table) {
         // SAFETY: the caller's promise.
         let occluded = unsafe { any_of_group(self.tree, group, table, self.rays) };
         for (place, &ray) in table.rays.iter().enumerate().take(table.count) {
@@ -307,14 +297,10 @@ impl<L: Lanes, R: Lanes> Visit<L, R> for Any<'_> {
 
 /// Whether anything is hit, for up to [`GROUP`] rays, one at least. A bit for each ray that has no answer and must walk alone.
 #[inline(always)]
-pub(super) fn any_together<L: Lanes, R: Lanes>(
-    tree: Tree<'_>,
-    rays: &[Ray],
-    hits: &mut [bool],
-) -> u64 {
+pub(super) fn any_together<L: Lanes>(tree: Tree<'_>, rays: &[Ray], hits: &mut [bool]) -> u64 {
     let mut any = Any { tree, rays, hits };
     // SAFETY: the machine has the instructions, by the promise of whoever calls with these lanes.
-    unsafe { visit_groups::<L, R>(rays, tree.reach.largest, &mut any) }
+    unsafe { visit_groups::<L>(rays, tree.reach.largest, &mut any) }
 }
 
 /// The places of rays that hit something.
@@ -322,9 +308,9 @@ pub(super) fn any_together<L: Lanes, R: Lanes>(
 /// # Safety
 /// As for [`Lanes`].
 #[inline(always)]
-unsafe fn any_of_group<L: Lanes, R: Lanes>(
+unsafe fn any_of_group<L: Lanes>(
     tree: Tree<'_>,
-    group: Group<'_, L, R>,
+    group: Group<'_, L>,
     table: &Table,
     rays: &[Ray],
 ) -> u64 {
@@ -382,8 +368,8 @@ unsafe fn any_of_group<L: Lanes, R: Lanes>(
 /// # Safety
 /// As for [`Lanes`]; `block` begins a block of `count` triangles.
 #[inline(always)]
-unsafe fn any_in_block<L: Lanes, R: Lanes>(
-    group: &Group<'_, L, R>,
+unsafe fn any_in_block<L: Lanes>(
+    group: &Group<'_, L>,
     table: &Table,
     rays: &[Ray],
     block: *const f32,
@@ -400,13 +386,14 @@ unsafe fn any_in_block<L: Lanes, R: Lanes>(
         if is_by_triangle(
             active.count_ones(),
             possible.count_ones(),
-            vectors::<R>(active),
+            vectors(active).count_ones(),
         ) {
-            for (index, bundle) in group.bundles.iter().enumerate() {
-                let mut part = Group::<L, R>::part(active, index);
-                if part == 0 {
-                    continue;
-                }
+            let mut vectors = vectors(active);
+            while vectors != 0 {
+                let first = vectors.trailing_zeros() as usize;
+                vectors &= vectors - 1;
+                let bundle = group.bundles.get_unchecked(first / WIDTH);
+                let mut part = (active >> first) as u32 & 0xff;
                 let error = bundle.edge_error(*block);
                 let mut triangles = possible;
                 while triangles != 0 && part != 0 {
@@ -418,12 +405,12 @@ unsafe fn any_in_block<L: Lanes, R: Lanes>(
                     while doubtful != 0 {
                         let lane = doubtful.trailing_zeros();
                         doubtful &= doubtful - 1;
-                        let place = index * R::WIDTH + lane as usize;
-                        let ray = &rays[usize::from(table.rays[place])];
+                        let place = first + lane as usize;
+                        let ray = &rays[usize::from(table.rays[place % GROUP])];
                         hits |= u32::from(meets_any(ray, block, count, 1 << triangle)) << lane;
                     }
                     part &= !hits;
-                    occluded |= u64::from(hits) << (index * R::WIDTH);
+                    occluded |= u64::from(hits) << first;
                 }
             }
         } else {
@@ -431,13 +418,13 @@ unsafe fn any_in_block<L: Lanes, R: Lanes>(
             while left != 0 {
                 let place = left.trailing_zeros() as usize;
                 left &= left - 1;
-                let bundle = &group.bundles[place / R::WIDTH];
-                let lane = place % R::WIDTH;
-                let block_ray = bundle.block_ray::<L>(lane, &group.frame);
+                let bundle = group.bundles.get_unchecked(place / WIDTH);
+                let lane = place % WIDTH;
+                let block_ray = bundle.block_ray(lane, &group.frame);
                 let candidates = block_ray.test(block, count, bundle.ends(lane));
                 let hits = candidates.hit != 0
                     || (candidates.possible != 0 && {
-                        let ray = &rays[usize::from(table.rays[place])];
+                        let ray = &rays[usize::from(table.rays[place % GROUP])];
                         meets_any(ray, block, count, candidates.possible)
                     });
                 occluded |= u64::from(hits) << place;
@@ -447,14 +434,10 @@ unsafe fn any_in_block<L: Lanes, R: Lanes>(
     occluded
 }
 
-/// How many vectors have active rays.
+/// The vectors that have active rays: the first bit of each.
 #[inline(always)]
-pub(super) fn vectors<R: Lanes>(active: u64) -> u32 {
-    let mut vectors = 0;
-    let mut place = 0;
-    while place < GROUP {
-        vectors += u32::from(active >> place & ((1 << R::WIDTH) - 1) != 0);
-        place += R::WIDTH;
-    }
-    vectors
+pub(super) fn vectors(active: u64) -> u64 {
+    let pairs = active | active >> 1;
+    let fours = pairs | pairs >> 2;
+    (fours | fours >> 4) & 0x0101_0101_0101_0101
 }
