@@ -95,17 +95,8 @@ trait Trace: Send + Sync {
     fn trace_any<C: Counter>(&self, ray: &Ray, counter: &mut C) -> bool;
     fn stats(&self) -> BuildStats;
 
-    fn trace_closest_batch(&self, rays: &[Ray], hits: &mut [Option<Hit>]) {
-        for (ray, hit) in rays.iter().zip(hits) {
-            *hit = self.trace_closest(ray, &mut Uncounted);
-        }
-    }
-
-    fn trace_any_batch(&self, rays: &[Ray], hits: &mut [bool]) {
-        for (ray, hit) in rays.iter().zip(hits) {
-            *hit = self.trace_any(ray, &mut Uncounted);
-        }
-    }
+    fn trace_closest_batch(&self, rays: &[Ray], hits: &mut [Option<Hit>]);
+    fn trace_any_batch(&self, rays: &[Ray], hits: &mut [bool]);
 }
 
 /// What the level of instances needs of the structure of one set of triangles. Rays are traceable and in the set's space.

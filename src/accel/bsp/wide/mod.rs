@@ -8,6 +8,7 @@
 //! Kin: the BVH with spatial splits of Stich, Friedrich, Dietrich 2009; the general BSP of Ize, Wald, Parker 2008; early split clipping of Ernst and
 //! Greiner 2007.
 
+mod batch;
 mod build;
 mod collapse;
 mod fragment;
@@ -25,13 +26,13 @@ use glam::Vec4;
 use super::options::BspQuality;
 use crate::accel::TraceSet;
 use crate::accel::bake::TriangleSet;
-use crate::accel::counters::{BuildStats, Counter, Uncounted};
+use crate::accel::counters::{BuildStats, Counter};
 use crate::accel::hit::{Hit, Nearest};
 use crate::geometry::{Ray, RayFrame};
 use build::{Builder, Plan};
 use node::Word;
 use plane::Costs;
-use simd::{Found, GROUP, Instructions, MOST_DEPTH, Occluded, Tree};
+use simd::{Found, Instructions, MOST_DEPTH, Occluded, Tree};
 use store::Store;
 use walk::Reach;
 
@@ -264,33 +265,11 @@ impl TraceSet for WideSet {
     }
 
     fn closest_alone_batch(&self, rays: &[Ray], hits: &mut [Option<Hit>]) {
-        let mut found = [Found::NOTHING; GROUP];
-        for (rays, hits) in rays.chunks(GROUP).zip(hits.chunks_mut(GROUP)) {
-            let found = &mut found[..rays.len()];
-            let alone = simd::closest_together(self.instructions, self.tree(), rays, found);
-            for (index, (hit, found)) in hits.iter_mut().zip(&*found).enumerate() {
-                *hit = if alone >> index & 1 != 0 {
-                    self.closest_alone(&rays[index], &mut Uncounted)
-                } else {
-                    self.hit(found)
-                };
-            }
-        }
+        self.closest_batch(rays, hits);
     }
 
     fn any_alone_batch(&self, rays: &[Ray], hits: &mut [bool]) {
-        for (rays, hits) in rays.chunks(GROUP).zip(hits.chunks_mut(GROUP)) {
-            let alone = simd::any_together(self.instructions, self.tree(), rays, hits);
-            for (index, (ray, hit)) in rays.iter().zip(hits).enumerate() {
-                if alone >> index & 1 != 0 {
-                    *hit = if ray.behind.is_some() {
-                        self.closest_alone(ray, &mut Uncounted).is_some()
-                    } else {
-                        self.any_alone(ray, &mut Uncounted)
-                    };
-                }
-            }
-        }
+        self.any_batch(rays, hits);
     }
 
     fn stats(&self) -> BuildStats {
@@ -308,15 +287,16 @@ impl TraceSet for WideSet {
 mod tests {
     use super::*;
     use crate::accel::bake;
+    use crate::accel::counters::Uncounted;
     use crate::geometry::Interval;
     use crate::scene::{Instance, Part, Scene, TriangleMesh};
     use glam::{DAffine3, Vec3};
 
     /// Numbers in -1..1 from a seed (SplitMix64).
-    struct Numbers(u64);
+    pub(super) struct Numbers(pub(super) u64);
 
     impl Numbers {
-        fn next(&mut self) -> f32 {
+        pub(super) fn next(&mut self) -> f32 {
             self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
             let mut z = self.0;
             z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
@@ -324,7 +304,7 @@ mod tests {
             ((z ^ (z >> 31)) >> 40) as f32 / (1 << 23) as f32 - 1.0
         }
 
-        fn point(&mut self) -> Vec3 {
+        pub(super) fn point(&mut self) -> Vec3 {
             Vec3::new(self.next(), self.next(), self.next())
         }
     }
@@ -364,13 +344,13 @@ mod tests {
         }
     }
 
-    fn set(quality: BspQuality) -> WideSet {
+    pub(super) fn set(quality: BspQuality) -> WideSet {
         let mut sets = bake::bake(&scene()).sets;
         WideSet::build(sets.remove(0), quality)
     }
 
     /// From near and far, along axes and grid lines, of all lengths, and within bounds.
-    fn rays() -> Vec<Ray> {
+    pub(super) fn rays() -> Vec<Ray> {
         let mut numbers = Numbers(11);
         (0..6000)
             .map(|i| {
@@ -416,97 +396,6 @@ mod tests {
             }
             assert!(hits > rays.len() / 3, "{hits} hits");
         }
-    }
-
-    /// Tiles of 8 x 8 pixels seen from near and far, along and across the axes; and the ways from there to a light.
-    fn coherent_rays() -> Vec<Ray> {
-        let mut numbers = Numbers(13);
-        let mut rays = Vec::new();
-        for tile in 0..48 {
-            let distance = [0.1, 2.0, 40.0, 3e5][tile % 4];
-            let width = [1e-4, 0.02, 0.3, 2.0][tile / 4 % 4];
-            let scale = [1.0, 1e-9, 3e8][tile % 3];
-            let (mut eye, mut to) = (distance * numbers.point(), 0.5 * numbers.point());
-            if tile % 5 == 0 {
-                (eye, to) = (eye.with_x(0.0), to.with_x(0.0));
-            }
-            let (right, up) = (to - eye).any_orthonormal_pair();
-            for pixel in 0..64 {
-                let (x, y) = ((pixel % 8) as f32 / 8.0, (pixel / 8) as f32 / 8.0);
-                let target = to + width * (x * right + y * up);
-                let ray = Ray::new(eye, (target - eye) * scale);
-                let end = [f32::INFINITY, 1.0 / scale, 0.9 / scale][tile % 3];
-                rays.push(ray.within(Interval::new(0.0, end)));
-                let light = Vec3::new(0.3, 3.0, -0.2);
-                if tile % 2 == 0 {
-                    rays.push(Ray::new(target, light - target).within(Interval::new(0.0, 1.0)));
-                }
-            }
-        }
-        rays
-    }
-
-    /// Rays among the coherent ones that are not traceable, continue behind a hit, or go another way.
-    fn hostile_rays(tree: &WideSet) -> Vec<Ray> {
-        let mut rays = coherent_rays();
-        rays.truncate(2048);
-        for (i, ray) in rays.iter_mut().enumerate() {
-            let hit = tree.closest_alone(ray, &mut Uncounted);
-            match i % 23 {
-                0 => ray.origin.y = f32::NAN,
-                2 => ray.direction = Vec3::ZERO,
-                4 => ray.direction.z = f32::NAN,
-                6 => ray.direction *= -1.0,
-                8 => ray.interval.min = ray.interval.max,
-                9 => ray.interval = Interval::new(1.0, f32::NAN),
-                11 => ray.interval = Interval::new(f32::NEG_INFINITY, f32::INFINITY),
-                13 => ray.origin *= 1e20,
-                15 => ray.direction.x = [0.0, -0.0, 1e-40, f32::INFINITY][i % 4],
-                17 => {
-                    if let Some(hit) = hit {
-                        *ray = ray.behind(hit.t, (hit.instance, hit.triangle));
-                    }
-                }
-                19 => {
-                    if let Some(hit) = hit {
-                        ray.interval.max = hit.t;
-                    }
-                }
-                _ => {}
-            }
-        }
-        rays
-    }
-
-    #[test]
-    fn many_rays_have_the_answers_of_each() {
-        let mut tree = set(BspQuality::Default);
-        for rays in [coherent_rays(), rays(), hostile_rays(&tree)] {
-            tree.instructions = Instructions::Portable;
-            let truth: Vec<Option<Hit>> = rays
-                .iter()
-                .map(|ray| tree.closest_alone(ray, &mut Uncounted))
-                .collect();
-            for instructions in Instructions::available() {
-                tree.instructions = instructions;
-                for size in [1, 7, 8, 9, 17, 64, 1024] {
-                    for (rays, truth) in rays.chunks(size).zip(truth.chunks(size)) {
-                        let mut hits = vec![None; rays.len()];
-                        tree.closest_alone_batch(rays, &mut hits);
-                        for ((ray, hit), truth) in rays.iter().zip(&hits).zip(truth) {
-                            assert_eq!(hit, truth, "{instructions:?} {size} {ray:?}");
-                        }
-                        let mut flags = vec![true; rays.len()];
-                        tree.any_alone_batch(rays, &mut flags);
-                        for ((ray, flag), truth) in rays.iter().zip(&flags).zip(truth) {
-                            assert_eq!(*flag, truth.is_some(), "{instructions:?} {size} {ray:?}");
-                        }
-                    }
-                }
-            }
-        }
-        tree.closest_alone_batch(&[], &mut []);
-        tree.any_alone_batch(&[], &mut []);
     }
 
     #[test]

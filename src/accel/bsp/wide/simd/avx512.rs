@@ -9,7 +9,7 @@ use std::arch::x86_64::{
     _mm256_storeu_ps, _mm256_sub_ps, _mm256_xor_ps,
 };
 
-use super::{Found, Occluded, Passed, Tree, kernel, single, together};
+use super::{Found, Occluded, Passed, Tree, kernel, single, together_any, together_closest};
 use crate::accel::counters::Counter;
 use crate::geometry::Ray;
 
@@ -180,20 +180,20 @@ pub(super) unsafe fn visit<C: Counter>(
     single::visit::<Lanes, C>(tree, ray, counter, visit)
 }
 
-/// [`together::closest_together`] with these instructions.
+/// [`together_closest::closest_together`] with these instructions.
 ///
 /// # Safety
 /// The machine must have them.
 #[target_feature(enable = "avx2,fma,bmi1,avx512f,avx512vl")]
 pub(super) unsafe fn closest_together(tree: Tree<'_>, rays: &[Ray], found: &mut [Found]) -> u64 {
-    together::closest_together::<Lanes>(tree, rays, found)
+    together_closest::closest_together::<Lanes>(tree, rays, found)
 }
 
-/// [`together::any_together`] with these instructions.
+/// [`together_any::any_together`] with these instructions.
 ///
 /// # Safety
 /// The machine must have them.
 #[target_feature(enable = "avx2,fma,bmi1,avx512f,avx512vl")]
 pub(super) unsafe fn any_together(tree: Tree<'_>, rays: &[Ray], hits: &mut [bool]) -> u64 {
-    together::any_together::<Lanes>(tree, rays, hits)
+    together_any::any_together::<Lanes>(tree, rays, hits)
 }

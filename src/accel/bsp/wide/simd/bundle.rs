@@ -4,7 +4,8 @@
 //! `origin + length * (shear.x, shear.y, 1) * sign`, and all lengths are along the frame's z.
 
 use super::super::store::HEADER;
-use super::kernel::{BlockRay, Candidates, Edges, Lanes, NodeRay, ROW};
+use super::edges::{Candidates, Edges};
+use super::kernel::{BlockRay, Lanes, NodeRay, ROW};
 use crate::geometry::tolerance::{GROUP_WALK_ERROR, PRODUCT_ERROR, SHEAR_ERROR, U32};
 
 /// What the rays of a group have in common.

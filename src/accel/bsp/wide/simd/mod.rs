@@ -7,6 +7,7 @@ mod avx2;
 #[cfg(target_arch = "x86_64")]
 mod avx512;
 mod bundle;
+mod edges;
 mod group;
 mod kernel;
 mod portable;
@@ -14,10 +15,13 @@ mod search;
 mod searches;
 mod shaft;
 mod single;
+mod table;
 mod together;
+mod together_any;
+mod together_closest;
 
-pub(super) use group::GROUP;
 pub(super) use single::MOST_DEPTH;
+pub(super) use table::GROUP;
 
 use crate::accel::counters::Counter;
 use crate::geometry::Ray;
@@ -163,23 +167,6 @@ pub(super) fn visit<C: Counter>(
     dispatch!(instructions, visit(tree, ray, counter, visit))
 }
 
-/// Calls a function of groups compiled for the machine's instructions.
-macro_rules! dispatch_together {
-    ($instructions:expr, $function:ident($($argument:expr),*)) => {
-        match $instructions {
-            Instructions::Portable => {
-                together::$function::<portable::Lanes>($($argument),*)
-            }
-            #[cfg(target_arch = "x86_64")]
-            // SAFETY: `Instructions::available` found them on this machine.
-            Instructions::Avx2 => unsafe { avx2::$function($($argument),*) },
-            #[cfg(target_arch = "x86_64")]
-            // SAFETY: `Instructions::available` found them on this machine.
-            Instructions::Avx512 => unsafe { avx512::$function($($argument),*) },
-        }
-    };
-}
-
 /// The nearest hits of up to [`GROUP`] rays, one at least. A bit for each ray that has no answer and must walk alone.
 pub(super) fn closest_together(
     instructions: Instructions,
@@ -187,7 +174,17 @@ pub(super) fn closest_together(
     rays: &[Ray],
     found: &mut [Found],
 ) -> u64 {
-    dispatch_together!(instructions, closest_together(tree, rays, found))
+    match instructions {
+        Instructions::Portable => {
+            together_closest::closest_together::<portable::Lanes>(tree, rays, found)
+        }
+        #[cfg(target_arch = "x86_64")]
+        // SAFETY: `Instructions::available` found them on this machine.
+        Instructions::Avx2 => unsafe { avx2::closest_together(tree, rays, found) },
+        #[cfg(target_arch = "x86_64")]
+        // SAFETY: `Instructions::available` found them on this machine.
+        Instructions::Avx512 => unsafe { avx512::closest_together(tree, rays, found) },
+    }
 }
 
 /// Whether anything is hit, for up to [`GROUP`] rays, one at least. A bit for each ray that has no answer and must walk alone.
@@ -197,5 +194,13 @@ pub(super) fn any_together(
     rays: &[Ray],
     hits: &mut [bool],
 ) -> u64 {
-    dispatch_together!(instructions, any_together(tree, rays, hits))
+    match instructions {
+        Instructions::Portable => together_any::any_together::<portable::Lanes>(tree, rays, hits),
+        #[cfg(target_arch = "x86_64")]
+        // SAFETY: `Instructions::available` found them on this machine.
+        Instructions::Avx2 => unsafe { avx2::any_together(tree, rays, hits) },
+        #[cfg(target_arch = "x86_64")]
+        // SAFETY: `Instructions::available` found them on this machine.
+        Instructions::Avx512 => unsafe { avx512::any_together(tree, rays, hits) },
+    }
 }

@@ -6,7 +6,8 @@ use glam::Vec3;
 
 use super::super::store::HEADER;
 use super::super::walk::LaneRay;
-use super::kernel::{Candidates, Lanes};
+use super::edges::Candidates;
+use super::kernel::Lanes;
 use super::{Found, Passed};
 use crate::geometry::{Ray, RayFrame, Triangle, depth};
 

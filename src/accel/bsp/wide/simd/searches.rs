@@ -7,9 +7,11 @@ use std::mem::MaybeUninit;
 
 use super::super::node::WIDTH;
 use super::Found;
-use super::group::{GROUP, Group, Table};
-use super::kernel::{Candidates, Lanes};
+use super::edges::Candidates;
+use super::group::Group;
+use super::kernel::Lanes;
 use super::search::triangle;
+use super::table::{GROUP, Table};
 use super::together::{is_by_triangle, vectors};
 use crate::geometry::{Ray, RayFrame, depth};
 
