@@ -12,6 +12,9 @@ use super::table::{GROUP, Table};
 use super::together::{Children, FEW, is_by_triangle, vectors};
 use crate::geometry::Ray;
 
+/// The children's order: the last comes first, as for a single ray.
+const LAST_FIRST: [f32; WIDTH] = [7.0, 6.0, 5.0, 4.0, 3.0, 2.0, 1.0, 0.0];
+
 /// Whether rays hit anything: for groups of them, the others are left.
 struct Any<'a> {
     tree: Tree<'a>,
@@ -52,6 +55,8 @@ unsafe fn any_of_group<L: Lanes>(
     let store = tree.store;
     let all = table.places();
     let mut children = Children::new();
+    // SAFETY: the caller's promise.
+    let order = unsafe { L::load(LAST_FIRST.as_ptr()) };
     let (mut current, mut active) = (tree.root, all);
     let mut occluded = 0;
     // SAFETY: as in `closest_of_group`.
@@ -90,8 +95,8 @@ unsafe fn any_of_group<L: Lanes>(
                 }
             } else {
                 let node = store.node(current);
-                let (hit, from) = group.shaft.test(&*node);
-                children.push(node, hit, &from, active);
+                let (hit, _) = group.shaft.test(&*node);
+                children.push(node, hit, &order, active);
             }
             loop {
                 let Some(next) = children.pop() else {
