@@ -201,9 +201,40 @@ fn check(name: &str, scene: &Scene, rays: &[Ray]) -> Judged {
         for (ray, want) in rays.iter().zip(&truth) {
             one_ray(&*accelerator, ray, *want, &format!("{name}, {kind}"));
         }
+        many_rays(&*accelerator, rays, &truth, &format!("{name}, {kind}"));
+        // Groups of rays that go the same way, and what remains of one.
+        let part = rays.len().min(40);
+        let repeated: Vec<Ray> = rays[..part].iter().flat_map(|&r| [r; 70]).collect();
+        let wanted: Vec<Option<Hit>> = truth[..part].iter().flat_map(|&h| [h; 70]).collect();
+        many_rays(
+            &*accelerator,
+            &repeated,
+            &wanted,
+            &format!("{name}, {kind}, repeated"),
+        );
     }
     Judged {
         hits: truth.iter().flatten().count(),
+    }
+}
+
+fn many_rays(accelerator: &dyn Accelerator, rays: &[Ray], want: &[Option<Hit>], context: &str) {
+    let bits = |h: Option<Hit>| h.map(|h| (h.t.to_bits(), h.instance, h.triangle));
+    let mut hits = vec![None; rays.len()];
+    accelerator.closest_hits(rays, &mut hits);
+    let mut flags = vec![false; rays.len()];
+    accelerator.any_hits(rays, &mut flags);
+    for (i, ray) in rays.iter().enumerate() {
+        assert_eq!(
+            bits(hits[i]),
+            bits(want[i]),
+            "{context}: ray {i} of many: {ray:?}"
+        );
+        assert_eq!(
+            flags[i],
+            want[i].is_some(),
+            "{context}: ray {i} of many, any hit: {ray:?}"
+        );
     }
 }
 

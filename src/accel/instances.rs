@@ -1,7 +1,7 @@
 //! The level above meshes: which placed sets of triangles a ray visits, and in which space.
 
 use super::bake::{Baked, Placement, TriangleSet};
-use super::counters::{BuildStats, Counter};
+use super::counters::{BuildStats, Counter, Uncounted};
 use super::hit::{Hit, Nearest};
 use super::{Trace, TraceSet};
 use crate::geometry::Ray;
@@ -120,6 +120,24 @@ impl<S: TraceSet, T: Top> Trace for Instances<S, T> {
             }
         });
         occluded
+    }
+
+    fn trace_closest_batch(&self, rays: &[Ray], hits: &mut [Option<Hit>]) {
+        if self.is_lone {
+            return self.sets[0].closest_alone_batch(rays, hits);
+        }
+        for (ray, hit) in rays.iter().zip(hits) {
+            *hit = self.trace_closest(ray, &mut Uncounted);
+        }
+    }
+
+    fn trace_any_batch(&self, rays: &[Ray], hits: &mut [bool]) {
+        if self.is_lone {
+            return self.sets[0].any_alone_batch(rays, hits);
+        }
+        for (ray, hit) in rays.iter().zip(hits) {
+            *hit = self.trace_any(ray, &mut Uncounted);
+        }
     }
 
     fn stats(&self) -> BuildStats {

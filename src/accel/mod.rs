@@ -96,17 +96,8 @@ trait Trace: Send + Sync {
     fn trace_any<C: Counter>(&self, ray: &Ray, counter: &mut C) -> bool;
     fn stats(&self) -> BuildStats;
 
-    fn trace_closest_batch(&self, rays: &[Ray], hits: &mut [Option<Hit>]) {
-        for (ray, hit) in rays.iter().zip(hits) {
-            *hit = self.trace_closest(ray, &mut Uncounted);
-        }
-    }
-
-    fn trace_any_batch(&self, rays: &[Ray], hits: &mut [bool]) {
-        for (ray, hit) in rays.iter().zip(hits) {
-            *hit = self.trace_any(ray, &mut Uncounted);
-        }
-    }
+    fn trace_closest_batch(&self, rays: &[Ray], hits: &mut [Option<Hit>]);
+    fn trace_any_batch(&self, rays: &[Ray], hits: &mut [bool]);
 }
 
 /// What the level of instances needs of the structure of one set of triangles. Rays are traceable and in the set's space.
@@ -133,6 +124,25 @@ trait TraceSet: Send + Sync {
     /// Whether anything is hit, where this set is all there is. The ray need not be traceable, and does not continue behind a hit.
     fn any_alone<C: Counter>(&self, ray: &Ray, counter: &mut C) -> bool {
         ray.is_traceable() && self.any(ray, counter)
+    }
+
+    /// The nearest hits, as many as rays: each as [`TraceSet::closest_alone`] has it.
+    fn closest_alone_batch(&self, rays: &[Ray], hits: &mut [Option<Hit>]) {
+        for (ray, hit) in rays.iter().zip(hits) {
+            *hit = self.closest_alone(ray, &mut Uncounted);
+        }
+    }
+
+    /// Whether anything is hit, as many answers as rays, where this set is all there is. Rays may continue behind a hit.
+    fn any_alone_batch(&self, rays: &[Ray], hits: &mut [bool]) {
+        for (ray, hit) in rays.iter().zip(hits) {
+            *hit = if ray.behind.is_some() {
+                // Names matter, which only the search for the nearest hit looks at.
+                self.closest_alone(ray, &mut Uncounted).is_some()
+            } else {
+                self.any_alone(ray, &mut Uncounted)
+            };
+        }
     }
 }
 

@@ -173,6 +173,19 @@ pub const WALK_ERROR: f32 = 8.0 * U32;
 /// the tree is at most three times the tree's greatest coordinate and the origin's sum: 9 u S. With the 8 u: 21 u, and 3 u to spare.
 pub const TURNED_WALK_ERROR: f32 = 24.0 * U32;
 
+/// As [`WALK_ERROR`], where the walk goes by lengths along the direction's largest axis: 10 u.
+///
+/// The slopes `d.x / d.z` are rounded, and so are the ends of the interval as lengths, `t |d.z|`: u S each. The least slope is u.
+pub const GROUP_WALK_ERROR: f32 = 10.0 * U32;
+
+/// Displacement of the sides of a shaft around rays, and of its ends, that covers the errors in them, in units of the greatest span `S` of the rays, see [`WALK_ERROR`]: 32 u.
+///
+/// A ray's x at the z of an end of the shaft is `o.x + (z - o.z) s`, with |s| <= 1 and |z| <= S: u S each for the slope, the difference
+/// and the product, and u |x| <= 2 u S for the sum. A side is the line `a + s z` with `a` a difference: 4 u S. What lies beside it is told by `(a - b) + s z`: 5 u S for the
+/// difference, u S for the product, and 5 u S for the sum. Together 20 u S. Where a ray's interval ends is known to 4 u S along z, and
+/// so it is between ends that are moved apart by this much. The rest is for the rounding of `S` and of the displacement. Smaller, and rays at the rim of a group are lost.
+pub const SHAFT_ERROR: f32 = 32.0 * U32;
+
 /// Sums of the magnitudes of a direction's components with which the wide BSP's walk stays in the range of `f32`. Other directions
 /// are scaled by a power of two first.
 pub const WALK_LENGTHS: std::ops::RangeInclusive<f32> = 1e-6..=1e6;

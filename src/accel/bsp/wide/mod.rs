@@ -9,6 +9,7 @@
 //! Greiner 2007.
 
 mod axes;
+mod batch;
 mod build;
 mod collapse;
 mod fragment;
@@ -36,7 +37,7 @@ use axes::Axes;
 use build::{Builder, Plan};
 use node::Word;
 use plane::Costs;
-use simd::{MOST_DEPTH, Occluded, Tree};
+use simd::{Found, MOST_DEPTH, Occluded, Tree};
 use store::{Draft, Store};
 use walk::Reach;
 
@@ -74,6 +75,16 @@ fn plan(quality: BspQuality) -> Plan {
 impl WideSet {
     fn tree(&self) -> Tree<'_> {
         Tree::new(&self.store, self.root, &self.reach)
+    }
+
+    #[inline(always)]
+    fn hit(&self, found: &Found) -> Option<Hit> {
+        let (instance, triangle) = self.names.name(found.number()?);
+        Some(Hit {
+            t: found.t,
+            instance,
+            triangle,
+        })
     }
 
     /// Which hits a ray that continues behind another passes over: up to which `t`, and below which number.
@@ -183,13 +194,9 @@ impl TraceSet for WideSet {
             None
         };
         let found = simd::closest(self.instructions, self.tree(), ray, passed, counter);
-        if let Some(number) = found.number() {
-            let (instance, triangle) = self.names.name(number);
-            return Some(Hit {
-                t: found.t,
-                instance,
-                triangle,
-            });
+        let hit = self.hit(&found);
+        if hit.is_some() {
+            return hit;
         }
         if found.is_unusual() && ray.is_traceable() {
             let mut nearest = Nearest::of(ray);
@@ -205,6 +212,14 @@ impl TraceSet for WideSet {
             Occluded::No => false,
             Occluded::Unusual => ray.is_traceable() && self.any(ray, counter),
         }
+    }
+
+    fn closest_alone_batch(&self, rays: &[Ray], hits: &mut [Option<Hit>]) {
+        self.closest_batch(rays, hits);
+    }
+
+    fn any_alone_batch(&self, rays: &[Ray], hits: &mut [bool]) {
+        self.any_batch(rays, hits);
     }
 
     fn stats(&self) -> BuildStats {
@@ -228,10 +243,10 @@ mod tests {
     use glam::{DAffine3, Mat3};
 
     /// Numbers in -1..1 from a seed (SplitMix64).
-    struct Numbers(u64);
+    pub(super) struct Numbers(pub(super) u64);
 
     impl Numbers {
-        fn next(&mut self) -> f32 {
+        pub(super) fn next(&mut self) -> f32 {
             self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
             let mut z = self.0;
             z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
@@ -239,7 +254,7 @@ mod tests {
             ((z ^ (z >> 31)) >> 40) as f32 / (1 << 23) as f32 - 1.0
         }
 
-        fn point(&mut self) -> Vec3 {
+        pub(super) fn point(&mut self) -> Vec3 {
             Vec3::new(self.next(), self.next(), self.next())
         }
     }
@@ -279,16 +294,21 @@ mod tests {
         }
     }
 
-    fn set(quality: BspQuality) -> WideSet {
+    pub(super) fn set(quality: BspQuality) -> WideSet {
         set_along(None, quality)
     }
 
-    fn set_along(axes: Option<Axes>, quality: BspQuality) -> WideSet {
+    pub(super) fn set_along(axes: Option<Axes>, quality: BspQuality) -> WideSet {
         WideSet::build_along(axes, &bake::bake(&scene()).sets[0], quality)
     }
 
+    /// Axes unlike those of space.
+    pub(super) fn turned() -> Axes {
+        Axes::new(Mat3::from_axis_angle(Vec3::ONE.normalize(), 0.5))
+    }
+
     /// From near and far, along axes and grid lines, of all lengths, and within bounds.
-    fn rays() -> Vec<Ray> {
+    pub(super) fn rays() -> Vec<Ray> {
         let mut numbers = Numbers(11);
         (0..6000)
             .map(|i| {
@@ -314,9 +334,8 @@ mod tests {
     #[test]
     fn every_set_of_instructions_gives_the_answer_of_testing_everything() {
         let rays = rays();
-        let turned = Axes::new(Mat3::from_axis_angle(Vec3::ONE.normalize(), 0.5));
         let along = |axes| BspQuality::ALL.map(|quality| (axes, quality));
-        for (axes, quality) in [None, Some(turned)].into_iter().flat_map(along) {
+        for (axes, quality) in [None, Some(turned())].into_iter().flat_map(along) {
             let mut tree = set_along(axes, quality);
             let mut hits = 0;
             for ray in &rays {

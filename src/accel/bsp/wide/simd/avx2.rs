@@ -1,17 +1,20 @@
 //! Eight lanes of AVX2 and FMA.
 
 use std::arch::x86_64::{
-    __m256, _CMP_LE_OQ, _CMP_LT_OQ, _mm256_add_ps, _mm256_and_ps, _mm256_andnot_ps, _mm256_cmp_ps,
-    _mm256_div_ps, _mm256_fmadd_ps, _mm256_fmsub_ps, _mm256_fnmadd_ps, _mm256_loadu_ps,
-    _mm256_max_ps, _mm256_min_ps, _mm256_movemask_ps, _mm256_mul_ps, _mm256_set1_ps,
-    _mm256_storeu_ps, _mm256_sub_ps, _mm256_xor_ps,
+    __m256, _CMP_LE_OQ, _CMP_LT_OQ, _mm_cvtss_f32, _mm_max_ps, _mm_max_ss, _mm_min_ps, _mm_min_ss,
+    _mm_movehdup_ps, _mm_movehl_ps, _mm256_add_ps, _mm256_and_ps, _mm256_andnot_ps,
+    _mm256_castps256_ps128, _mm256_cmp_ps, _mm256_div_ps, _mm256_extractf128_ps, _mm256_fmadd_ps,
+    _mm256_fmsub_ps, _mm256_fnmadd_ps, _mm256_loadu_ps, _mm256_max_ps, _mm256_min_ps,
+    _mm256_movemask_ps, _mm256_mul_ps, _mm256_set1_ps, _mm256_storeu_ps, _mm256_sub_ps,
+    _mm256_xor_ps,
 };
 
-use super::{Found, Occluded, Passed, Tree, kernel, single};
+use super::{Found, Occluded, Passed, Tree, kernel, single, together_any, together_closest};
 use crate::accel::counters::Counter;
 use crate::geometry::Ray;
 
 #[derive(Clone, Copy)]
+#[repr(transparent)]
 pub(super) struct Lanes(__m256);
 
 // SAFETY of all blocks: the trait's promise, and for addresses its own.
@@ -113,6 +116,37 @@ impl kernel::Lanes for Lanes {
             _mm256_movemask_ps(_mm256_and_ps(below, above))
         }) as u32
     }
+    #[inline(always)]
+    unsafe fn signs(self) -> u32 {
+        // SAFETY: the trait's promise.
+        (unsafe { _mm256_movemask_ps(self.0) }) as u32
+    }
+    #[inline(always)]
+    unsafe fn least(self) -> f32 {
+        // SAFETY: the trait's promise.
+        unsafe {
+            let (low, high) = (
+                _mm256_castps256_ps128(self.0),
+                _mm256_extractf128_ps::<1>(self.0),
+            );
+            let four = _mm_min_ps(low, high);
+            let two = _mm_min_ps(four, _mm_movehl_ps(four, four));
+            _mm_cvtss_f32(_mm_min_ss(two, _mm_movehdup_ps(two)))
+        }
+    }
+    #[inline(always)]
+    unsafe fn greatest(self) -> f32 {
+        // SAFETY: the trait's promise.
+        unsafe {
+            let (low, high) = (
+                _mm256_castps256_ps128(self.0),
+                _mm256_extractf128_ps::<1>(self.0),
+            );
+            let four = _mm_max_ps(low, high);
+            let two = _mm_max_ps(four, _mm_movehl_ps(four, four));
+            _mm_cvtss_f32(_mm_max_ss(two, _mm_movehdup_ps(two)))
+        }
+    }
 }
 
 /// [`single::closest`] with these instructions.
@@ -150,4 +184,22 @@ pub(super) unsafe fn visit<C: Counter>(
     visit: &mut dyn FnMut(u32, &mut C) -> f32,
 ) -> bool {
     single::visit::<Lanes, C>(tree, ray, counter, visit)
+}
+
+/// [`together_closest::closest_together`] with these instructions.
+///
+/// # Safety
+/// The machine must have them.
+#[target_feature(enable = "avx2,fma,bmi1")]
+pub(super) unsafe fn closest_together(tree: Tree<'_>, rays: &[Ray], found: &mut [Found]) -> u64 {
+    together_closest::closest_together::<Lanes>(tree, rays, found)
+}
+
+/// [`together_any::any_together`] with these instructions.
+///
+/// # Safety
+/// The machine must have them.
+#[target_feature(enable = "avx2,fma,bmi1")]
+pub(super) unsafe fn any_together(tree: Tree<'_>, rays: &[Ray], hits: &mut [bool]) -> u64 {
+    together_any::any_together::<Lanes>(tree, rays, hits)
 }

@@ -1,11 +1,12 @@
-//! What a set of instructions has to offer: eight lanes, and the two tests made of them.
+//! What a set of instructions has to offer: lanes, and the two tests of a ray made of eight of them.
 
 use super::super::node::{Node, WIDTH};
 use super::super::store::HEADER;
 use super::super::walk::{LaneRay, WalkRay};
-use crate::geometry::tolerance::{LANE_DEPTH_ERROR, LANE_SHEAR_ERROR, PRODUCT_ERROR};
+use super::edges::{Candidates, Edges};
+use crate::geometry::tolerance::PRODUCT_ERROR;
 
-/// Eight lanes of `f32`.
+/// Eight lanes of `f32`: as in memory, the first lane first, and nothing else.
 ///
 /// # Safety
 /// Every function may be called only where the machine has the instructions.
@@ -37,18 +38,38 @@ pub(super) trait Lanes: Copy {
     unsafe fn flipped_with(self, other: Self) -> Self;
     /// `a * b + c` in double precision, fused or not.
     fn fused(a: f64, b: f64, c: f64) -> f64;
+    /// A bit for each lane whose sign is minus, that of zero too.
+    unsafe fn signs(self) -> u32;
+    /// The least of all lanes, none of which is a NaN.
+    unsafe fn least(self) -> f32;
+    /// The greatest.
+    unsafe fn greatest(self) -> f32;
+
+    /// One lane, below 8.
+    #[inline(always)]
+    unsafe fn lane(&self, lane: usize) -> f32 {
+        // SAFETY: lanes are as in memory.
+        unsafe { *std::ptr::from_ref(self).cast::<f32>().add(lane) }
+    }
+
+    /// Another value in one lane, below 8.
+    #[inline(always)]
+    unsafe fn set_lane(&mut self, lane: usize, value: f32) {
+        // SAFETY: lanes are as in memory.
+        unsafe { *std::ptr::from_mut(self).cast::<f32>().add(lane) = value }
+    }
 }
 
 /// A ray in lanes, for the test of a node.
 #[derive(Clone, Copy)]
 pub(super) struct NodeRay<L> {
-    inverse: [L; 3],
-    enter: [L; 3],
-    leave: [L; 3],
+    pub(super) inverse: [L; 3],
+    pub(super) enter: [L; 3],
+    pub(super) leave: [L; 3],
     /// Rows of a node's bounds where the ray enters, and where it leaves: how many bytes come before them.
-    near: [usize; 3],
-    far: [usize; 3],
-    first: L,
+    pub(super) near: [usize; 3],
+    pub(super) far: [usize; 3],
+    pub(super) first: L,
 }
 
 impl<L: Lanes> NodeRay<L> {
@@ -136,14 +157,14 @@ unsafe fn splat3<L: Lanes>(v: [f32; 3]) -> [L; 3] {
 }
 
 /// Bytes of a row of a node's bounds.
-const ROW: usize = size_of::<[f32; WIDTH]>();
+pub(super) const ROW: usize = size_of::<[f32; WIDTH]>();
 
 /// A row of a node's bounds.
 ///
 /// # Safety
 /// As for [`Lanes`]; `offset` is that of a row.
 #[inline(always)]
-unsafe fn row<L: Lanes>(node: &Node, offset: usize) -> L {
+pub(super) unsafe fn row<L: Lanes>(node: &Node, offset: usize) -> L {
     // SAFETY: the caller's promise.
     unsafe { L::load(node.bounds.as_ptr().byte_add(offset).cast()) }
 }
@@ -151,12 +172,12 @@ unsafe fn row<L: Lanes>(node: &Node, offset: usize) -> L {
 /// A ray in lanes, for the test of a block.
 #[derive(Clone, Copy)]
 pub(super) struct BlockRay<L> {
-    axes: [usize; 3],
-    origin: [L; 3],
-    shear: [L; 2],
+    pub(super) axes: [usize; 3],
+    pub(super) origin: [L; 3],
+    pub(super) shear: [L; 2],
     /// Its sign is the direction's along the frame's z.
-    rate: L,
-    error: f32,
+    pub(super) rate: L,
+    pub(super) error: f32,
 }
 
 impl<L: Lanes> BlockRay<L> {
@@ -220,74 +241,18 @@ impl<L: Lanes> BlockRay<L> {
             let [ax, ay, az] = self.sheared(x, y, z);
             let [bx, by, bz] = self.sheared(x.add(corner), y.add(corner), z.add(corner));
             let [cx, cy, cz] = self.sheared(x.add(next), y.add(next), z.add(next));
-            let u = cx.mul_sub(by, cy.mul(bx));
-            let v = ax.mul_sub(cy, ay.mul(cx));
-            let w = bx.mul_sub(ay, by.mul(ax));
-            let (least, greatest) = (u.min(v).min(w), u.max(v).max(w));
+            let corners = [[ax, ay, az], [bx, by, bz], [cx, cy, cz]];
+            let edges = Edges::of(&corners);
             let lateral = *block + 4.0 * self.error;
             let error = 2.0 * self.error * (lateral + self.error)
                 + PRODUCT_ERROR * lateral * lateral
                 + f32::MIN_POSITIVE;
-            let misses = least.below_and_above(L::splat(-error), greatest, L::splat(error));
-            let met = !misses & ((1 << count) - 1);
+            let met = !edges.misses(L::splat(error)) & ((1 << count) - 1);
             if met == 0 {
-                return Candidates {
-                    possible: 0,
-                    met: 0,
-                    hit: 0,
-                    near: u,
-                    far: u,
-                };
+                return Candidates::none(edges.u);
             }
-            // `edge_function_error`, in lanes.
-            let depth = az.abs().max(bz.abs()).max(cz.abs());
-            let lateral = ax
-                .abs()
-                .add(ay.abs())
-                .max(bx.abs().add(by.abs()))
-                .max(cx.abs().add(cy.abs()));
-            let tiny = L::splat(f32::MIN_POSITIVE);
-            let shear = depth.mul_add(L::splat(LANE_SHEAR_ERROR), tiny);
-            let lateral_part = lateral.mul(lateral).mul_add(L::splat(PRODUCT_ERROR), tiny);
-            let error = shear.add(shear).mul_add(lateral.add(shear), lateral_part);
-            let misses = least.below_and_above(L::splat(0.0).sub(error), greatest, error);
-            let certain = error.below(least) | greatest.below(L::splat(0.0).sub(error));
-            // Where along the ray: see `tolerance::LANE_DEPTH_ERROR`.
-            let inverse = L::splat(1.0).div(u.add(v).add(w));
-            let nearest = u
-                .mul(inverse)
-                .mul_add(az, v.mul(inverse).mul_add(bz, w.mul(inverse).mul(cz)));
-            let nearest = nearest.flipped_with(self.rate);
-            let share = error
-                .mul(inverse.abs())
-                .mul_add(L::splat(8.0), L::splat(2.0 * LANE_DEPTH_ERROR));
-            let margin = depth.mul(share);
-            let (near, far) = (nearest.sub(margin), nearest.add(margin));
-            let (first, last) = (L::splat(ends[0]), L::splat(ends[1]));
-            let outside = far.below(first) | last.below(near);
-            let possible = met & !misses & !outside;
-            let met = possible & certain & first.below(near);
-            Candidates {
-                possible,
-                met,
-                hit: met & far.below(last),
-                near,
-                far,
-            }
+            let ends = [L::splat(ends[0]), L::splat(ends[1])];
+            edges.judge(&corners, met, self.rate, ends)
         }
     }
-}
-
-/// What the lanes know of a block's triangles: a bit for each.
-#[derive(Clone, Copy)]
-pub(super) struct Candidates<L> {
-    /// Not certainly missed.
-    pub(super) possible: u32,
-    /// Of these, those that the ray's line certainly meets, after the interval's beginning.
-    pub(super) met: u32,
-    /// Of these, those that it certainly meets before the interval's end.
-    pub(super) hit: u32,
-    /// For those met: between which lengths of the ray along the frame's z.
-    pub(super) near: L,
-    pub(super) far: L,
 }

@@ -6,14 +6,25 @@
 mod avx2;
 #[cfg(target_arch = "x86_64")]
 mod avx512;
+mod bundle;
+mod depth;
+mod edges;
+mod group;
 mod kernel;
 mod parts;
 mod portable;
 mod search;
+mod searches;
+mod shaft;
 mod single;
+mod table;
+mod together;
+mod together_any;
+mod together_closest;
 
 pub(super) use parts::parts;
 pub(super) use single::MOST_DEPTH;
+pub(super) use table::GROUP;
 
 use crate::accel::counters::Counter;
 use crate::geometry::Ray;
@@ -88,7 +99,7 @@ pub(super) struct Found {
 }
 
 impl Found {
-    const NOTHING: Self = Self {
+    pub(super) const NOTHING: Self = Self {
         t: f32::INFINITY,
         number: u32::MAX,
     };
@@ -203,4 +214,42 @@ pub(super) fn visit<C: Counter>(
     visit: &mut dyn FnMut(u32, &mut C) -> f32,
 ) -> bool {
     dispatch!(instructions, visit(tree, ray, counter, visit))
+}
+
+/// The nearest hits of up to [`GROUP`] rays, one at least. A bit for each ray that has no answer and must walk alone.
+pub(super) fn closest_together(
+    instructions: Instructions,
+    tree: Tree<'_>,
+    rays: &[Ray],
+    found: &mut [Found],
+) -> u64 {
+    match instructions {
+        Instructions::Portable => {
+            together_closest::closest_together::<portable::Lanes>(tree, rays, found)
+        }
+        #[cfg(target_arch = "x86_64")]
+        // SAFETY: `Instructions::available` found them on this machine.
+        Instructions::Avx2 => unsafe { avx2::closest_together(tree, rays, found) },
+        #[cfg(target_arch = "x86_64")]
+        // SAFETY: `Instructions::available` found them on this machine.
+        Instructions::Avx512 => unsafe { avx512::closest_together(tree, rays, found) },
+    }
+}
+
+/// Whether anything is hit, for up to [`GROUP`] rays, one at least. A bit for each ray that has no answer and must walk alone.
+pub(super) fn any_together(
+    instructions: Instructions,
+    tree: Tree<'_>,
+    rays: &[Ray],
+    hits: &mut [bool],
+) -> u64 {
+    match instructions {
+        Instructions::Portable => together_any::any_together::<portable::Lanes>(tree, rays, hits),
+        #[cfg(target_arch = "x86_64")]
+        // SAFETY: `Instructions::available` found them on this machine.
+        Instructions::Avx2 => unsafe { avx2::any_together(tree, rays, hits) },
+        #[cfg(target_arch = "x86_64")]
+        // SAFETY: `Instructions::available` found them on this machine.
+        Instructions::Avx512 => unsafe { avx512::any_together(tree, rays, hits) },
+    }
 }

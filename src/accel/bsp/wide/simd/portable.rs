@@ -3,6 +3,7 @@
 use super::kernel;
 
 #[derive(Clone, Copy)]
+#[repr(transparent)]
 pub(super) struct Lanes([f32; 8]);
 
 impl Lanes {
@@ -94,5 +95,17 @@ impl kernel::Lanes for Lanes {
     #[inline(always)]
     unsafe fn below_and_above(self, low: Self, other: Self, high: Self) -> u32 {
         Self::bits(|i| self.0[i] < low.0[i] && high.0[i] < other.0[i])
+    }
+    #[inline(always)]
+    unsafe fn signs(self) -> u32 {
+        Self::bits(|i| self.0[i].is_sign_negative())
+    }
+    #[inline(always)]
+    unsafe fn least(self) -> f32 {
+        self.0.into_iter().fold(f32::INFINITY, f32::min)
+    }
+    #[inline(always)]
+    unsafe fn greatest(self) -> f32 {
+        self.0.into_iter().fold(f32::NEG_INFINITY, f32::max)
     }
 }

@@ -6,10 +6,10 @@ use glam::Vec3;
 
 use super::super::store::HEADER;
 use super::super::walk::LaneRay;
-use super::kernel::{Candidates, Lanes};
+use super::depth::depth_bounds;
+use super::edges::Candidates;
+use super::kernel::Lanes;
 use super::{Found, Passed};
-use crate::geometry::exact::filter;
-use crate::geometry::tolerance::{BOUND_ROUNDING, DENOMINATOR_FILTER, NUMERATOR_FILTER};
 use crate::geometry::{Ray, RayFrame, Triangle, rounded};
 
 /// One triangle of a block, and its number.
@@ -171,54 +171,14 @@ impl<'a> Search<'a> {
         let (triangle, number) = unsafe { triangle(block, count, lane) };
         // SAFETY: the caller's promise; a block's first word is the bound on its triangles' lengths.
         let length = 0.5 * unsafe { *block };
-        match rounded(self.depth::<L>(&triangle, length)) {
+        match rounded(depth_bounds::<L>(
+            self.ray, &triangle, length, self.span, self.rate,
+        )) {
             Some(t) if self.ray.interval.contains(t) => self.offer(t, number),
             Some(_) => {}
             // SAFETY: the caller's promise. With the triangle read again, so that above it need not be in memory.
             None => unsafe { self.settle(block, count, 1 << lane) },
         }
-    }
-
-    /// An interval that holds the `t` at which the ray's line meets the plane of a triangle, none of whose edges has a sum of components
-    /// beyond `length`.
-    ///
-    /// As [`filter::depth`], with a coarser bound that takes no sums of permanents: the products in `(u x v) . p` add up to no more than the
-    /// sums of `u`'s and of `v`'s components and the greatest of `p`'s.
-    #[inline(always)]
-    fn depth<L: Lanes>(&self, triangle: &Triangle, length: f32) -> Option<(f64, f64)> {
-        let [a, b, c] = *triangle.corners();
-        let difference = |p: f32, q: f32| f64::from(p) - f64::from(q);
-        let [ux, uy, uz] = [
-            difference(b.x, a.x),
-            difference(b.y, a.y),
-            difference(b.z, a.z),
-        ];
-        let [vx, vy, vz] = [
-            difference(c.x, a.x),
-            difference(c.y, a.y),
-            difference(c.z, a.z),
-        ];
-        let (origin, direction) = (self.ray.origin, self.ray.direction);
-        let [px, py, pz] = [
-            difference(a.x, origin.x),
-            difference(a.y, origin.y),
-            difference(a.z, origin.z),
-        ];
-        let nx = L::fused(uy, vz, -(uz * vy));
-        let ny = L::fused(uz, vx, -(ux * vz));
-        let nz = L::fused(ux, vy, -(uy * vx));
-        let numerator = L::fused(nx, px, L::fused(ny, py, nz * pz));
-        let [dx, dy, dz] = [direction.x, direction.y, direction.z].map(f64::from);
-        let denominator = L::fused(nx, dx, L::fused(ny, dy, nz * dz));
-        let length = f64::from(length * BOUND_ROUNDING);
-        let size = length * length;
-        filter::quotient(
-            (numerator, NUMERATOR_FILTER * size * f64::from(self.span)),
-            (
-                denominator,
-                DENOMINATOR_FILTER * size * f64::from(self.rate),
-            ),
-        )
     }
 
     /// As `settle_pending`, out of the way.
