@@ -9,8 +9,8 @@ use super::node::{Node, WIDTH, Word};
 use super::plane::Costs;
 use super::store::Draft;
 
-/// What a wide node costs, in the unit of [`Costs`]: the test of its eight children.
-const NODE: f32 = 1.0;
+/// What a wide node costs, in the unit of [`Costs`]: the test of its eight children, and finding the nearest of those that are met.
+const NODE: f32 = 1.15;
 
 /// The least cost of a cell as one to eight roots, weighted by the areas of extents.
 #[derive(Clone, Copy)]
