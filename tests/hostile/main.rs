@@ -92,15 +92,23 @@ fn reduced(soup: &Soup, options: &BuildOptions, rays: &[Ray], index: usize) -> (
     (soup, what)
 }
 
+/// What makes a scene of chance.
+type Make = fn(&mut Random) -> Soup;
+
 /// Scenes of these seeds, so many tiles of rays each.
-fn hunt(seeds: std::ops::Range<u64>, tiles: usize) {
+fn hunt(make: Make, seeds: std::ops::Range<u64>, tiles: usize) {
     let (mut count, mut hits, mut reports) = (0, 0, Vec::new());
     for seed in seeds {
         let mut random = Random::new(0x5eed, seed);
-        let soup = scenes::any_soup(&mut random);
-        let scene = scenes::scene(&soup);
+        let soup = make(&mut random);
+        let is_placed = random.integer(0, 3) == 0;
+        let (scene, seen) = if is_placed {
+            scenes::placed(&mut random, &soup)
+        } else {
+            (scenes::scene(&soup), soup.clone())
+        };
         let linear = AcceleratorKind::Linear.build(&scene);
-        let rays = rays::tiles(&mut random, &soup, &*linear, tiles);
+        let rays = rays::tiles(&mut random, &seen, &*linear, tiles);
         let truth: Vec<Option<Hit>> = rays.iter().map(|r| linear.closest_hit(r)).collect();
         count += rays.len();
         hits += truth.iter().flatten().count();
@@ -109,7 +117,11 @@ fn hunt(seeds: std::ops::Range<u64>, tiles: usize) {
             let faults = faults(&*tree, &rays, &truth);
             if let Some((index, fault)) = faults.first() {
                 let tile = &rays[index / 64 * 64..][..64];
-                let (few, what) = reduced(&soup, &options, tile, index % 64);
+                let (few, what) = if is_placed {
+                    (soup, format!("{:?}", scene.instances))
+                } else {
+                    reduced(&soup, &options, tile, index % 64)
+                };
                 let report = format!(
                     "seed {seed}, {} faults, {options:?}, ray {index}: {fault}\n  {:?}\n  {} triangles: {what}\n  {:?}",
                     faults.len(),
@@ -130,15 +142,34 @@ fn hunt(seeds: std::ops::Range<u64>, tiles: usize) {
 }
 
 #[test]
-fn the_wide_bsp_answers_as_testing_everything_does() {
-    hunt(0..60, 6);
+fn extreme_scenes_are_answered_as_by_testing_everything() {
+    hunt(scenes::extreme, 0..40, 5);
+}
+
+#[test]
+fn usual_scenes_are_answered_as_by_testing_everything() {
+    hunt(scenes::usual, 0..12, 10);
 }
 
 /// A range of seeds from the environment: `HOSTILE_FIRST`, and `HOSTILE_SCENES` of about 2000 rays each, 0.1 s a scene.
-#[test]
-#[ignore = "takes as long as it is told to"]
-fn it_does_so_for_as_long_as_one_likes() {
+fn hunt_long(make: Make) {
     let number = |name| std::env::var(name).ok().and_then(|x| x.parse().ok());
     let first = number("HOSTILE_FIRST").unwrap_or(0);
-    hunt(first..first + number("HOSTILE_SCENES").unwrap_or(1000), 30);
+    hunt(
+        make,
+        first..first + number("HOSTILE_SCENES").unwrap_or(1000),
+        30,
+    );
+}
+
+#[test]
+#[ignore = "takes as long as it is told to"]
+fn many_extreme_scenes() {
+    hunt_long(scenes::extreme);
+}
+
+#[test]
+#[ignore = "takes as long as it is told to"]
+fn many_usual_scenes() {
+    hunt_long(scenes::usual);
 }

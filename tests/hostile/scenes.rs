@@ -1,7 +1,7 @@
 //! Scenes that make trouble: much that coincides, lies in one plane or is thin, of every size and at every distance.
 
 use bspray::scene::{Instance, Part, Scene, TriangleMesh};
-use glam::{DAffine3, Quat, Vec3};
+use glam::{DAffine3, DQuat, Quat, Vec3};
 
 use crate::random::Random;
 
@@ -28,8 +28,75 @@ pub(crate) fn scene(soup: &Soup) -> Scene {
     }
 }
 
-/// A scene of unit size, then turned, scaled and moved by chance.
-pub(crate) fn any_soup(random: &mut Random) -> Soup {
+/// The soup placed several times, in ways of all kinds, and its triangles in their places.
+pub(crate) fn placed(random: &mut Random, soup: &Soup) -> (Scene, Soup) {
+    let mut scene = scene(soup);
+    let points = || soup.iter().flatten();
+    let low = points().fold(Vec3::INFINITY, |l, p| l.min(*p));
+    let high = points().fold(Vec3::NEG_INFINITY, |h, p| h.max(*p));
+    let size = (0.5 * high - 0.5 * low).max_element().max(1e-30);
+    scene.instances.clear();
+    let mut all = Soup::new();
+    for _ in 0..random.integer(2, 5) {
+        let axis = (random.vector() + Vec3::splat(1e-3)).normalize();
+        let turn = random.pick(&[0.0, 1.0]) * random.signed();
+        let scale = random.pick(&[
+            Vec3::ONE,
+            Vec3::ONE,
+            Vec3::splat(0.1),
+            Vec3::new(1.0, -1.0, 1.0),
+            Vec3::new(1.0, 1e-3, 20.0),
+            Vec3::new(1.0, 0.0, 1.0),
+            Vec3::splat(1e-12),
+            Vec3::splat(1e6),
+        ]);
+        let away = random.pick(&[0.0, 0.0, 1.0, 3.0, 1e4]) * size * random.vector();
+        let place = DAffine3::from_scale_rotation_translation(
+            scale.as_dvec3(),
+            DQuat::from_axis_angle(axis.as_dvec3(), f64::from(turn)),
+            away.as_dvec3(),
+        );
+        let instance = Instance::new("soup", 0, place);
+        all.extend(soup.iter().map(|t| t.map(|p| instance.world_point(p))));
+        scene.instances.push(instance);
+    }
+    (scene, all)
+}
+
+/// Shapes within a few units, turned by chance.
+fn shapes(random: &mut Random, count: usize) -> Soup {
+    let mut soup = match random.integer(0, 7) {
+        0 => scattered(random, count, 0.3),
+        1 => grid(random, 2 + count / 20),
+        // Every ray meets all of them, and all depths must be exact.
+        2 => stack(random, count.min(50)),
+        3 => slivers(random, count),
+        4 => bricks(random, 1 + count / 12),
+        5 => fan(random, count),
+        6 => layers(random, count.min(50)),
+        _ => {
+            let mut soup = grid(random, 2 + count / 40);
+            soup.extend(bricks(random, 1 + count / 24));
+            soup.extend(slivers(random, count / 2));
+            soup
+        }
+    };
+    if random.integer(0, 2) == 0 {
+        let axis = (random.vector() + Vec3::splat(1e-3)).normalize();
+        let turn = Quat::from_axis_angle(axis, 3.0 * random.signed());
+        soup.iter_mut().flatten().for_each(|p| *p = turn * *p);
+    }
+    soup
+}
+
+/// Many triangles of usual size.
+pub(crate) fn usual(random: &mut Random) -> Soup {
+    let count = random.pick(&[200, 400, 1000]);
+    shapes(random, count)
+}
+
+/// Of every size, flattened, and far from the origin.
+pub(crate) fn extreme(random: &mut Random) -> Soup {
     let scale = match random.integer(0, 4) {
         0 => random.pick(&[1e-19, 1e-25, 1e-33, 1e-38, 1e-41]),
         1 => random.pick(&[1e-15, 1e-8, 1e-3, 1e5, 1e9, 1e12, 3e17, 1e18]),
@@ -41,28 +108,7 @@ pub(crate) fn any_soup(random: &mut Random) -> Soup {
     } else {
         random.pick(&[1, 3, 9, 20, 60, 60, 150, 400])
     };
-    let mut soup = match random.integer(0, 7) {
-        0 => scattered(random, count, 0.3),
-        1 => grid(random, 2 + count / 20),
-        2 => stack(random, count),
-        3 => slivers(random, count),
-        4 => bricks(random, 1 + count / 12),
-        5 => fan(random, count),
-        6 => layers(random, count),
-        _ => {
-            let mut soup = grid(random, 2 + count / 40);
-            soup.extend(bricks(random, 1 + count / 24));
-            soup.extend(slivers(random, count / 2));
-            soup
-        }
-    };
-    let turn = match random.integer(0, 2) {
-        0 => Quat::from_axis_angle(
-            (random.vector() + Vec3::splat(1e-3)).normalize(),
-            3.0 * random.signed(),
-        ),
-        _ => Quat::IDENTITY,
-    };
+    let mut soup = shapes(random, count);
     let flat = random.pick(&[
         Vec3::ONE,
         Vec3::ONE,
@@ -74,8 +120,8 @@ pub(crate) fn any_soup(random: &mut Random) -> Soup {
     ]);
     let away = random.pick(&[0.0, 0.0, 0.0, 1.0, 30.0, 1e4, 1e6]) * random.vector();
     for p in soup.iter_mut().flatten() {
-        *p = ((turn * *p) * flat + away) * scale;
-        *p = p.clamp(Vec3::splat(-1e18), Vec3::splat(1e18));
+        let placed = (*p * flat + away) * scale;
+        *p = placed.clamp(Vec3::splat(-1e18), Vec3::splat(1e18));
     }
     soup
 }
