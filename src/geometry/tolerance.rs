@@ -186,6 +186,13 @@ pub const GROUP_WALK_ERROR: f32 = 10.0 * U32;
 /// so it is between ends that are moved apart by this much. The rest is for the rounding of `S` and of the displacement. Smaller, and rays at the rim of a group are lost.
 pub const SHAFT_ERROR: f32 = 32.0 * U32;
 
+/// Error of lengths, and of where a ray is, that does not shrink with them: 2^-126 of a model unit.
+///
+/// Whatever underflows in the wide BSP is off by 2^-150, a few times at most. A hit counts by its rounded `t`: where that is subnormal it is off by 2^-150
+/// too, which along a direction whose components are up to [`WALK_LENGTHS`] makes 2^-130. A longer direction takes this times the power of two that
+/// it is divided by. Smaller, and hits in tiny scenes, or close to the origin, are lost at the ends of intervals.
+pub const LEAST_LENGTH: f32 = f32::MIN_POSITIVE;
+
 /// Sums of the magnitudes of a direction's components with which the wide BSP's walk stays in the range of `f32`. Other directions
 /// are scaled by a power of two first.
 pub const WALK_LENGTHS: std::ops::RangeInclusive<f32> = 1e-6..=1e6;

@@ -9,8 +9,8 @@ use glam::{Vec3, Vec4};
 use super::axes::Axes;
 use super::simd::parts;
 use crate::geometry::tolerance::{
-    BOUND_ROUNDING, LANE_SHEAR_ERROR, LEAST_RATE, TURNED_WALK_ERROR, WALK_ERROR, WALK_FARTHEST,
-    WALK_LENGTHS,
+    BOUND_ROUNDING, LANE_SHEAR_ERROR, LEAST_LENGTH, LEAST_RATE, TURNED_WALK_ERROR, U32, WALK_ERROR,
+    WALK_FARTHEST, WALK_LENGTHS,
 };
 use crate::geometry::{Ray, Triangle};
 
@@ -27,6 +27,8 @@ pub(super) struct WalkRay {
     pub(super) per_t: f32,
     /// The sum of the origin's magnitudes and the greatest coordinate of the tree, as computed.
     pub(super) span: f32,
+    /// Covers errors that do not shrink with what is computed: see [`LEAST_LENGTH`].
+    pub(super) least: f32,
 }
 
 /// What the test of triangles in lanes needs of a ray: its frame, after Woop, Benthin and Wald (see [`RayFrame`](crate::geometry::RayFrame)).
@@ -39,12 +41,14 @@ pub(super) struct LaneRay {
     pub(super) shear: [f32; 2],
     /// The direction's component along the frame's z.
     pub(super) rate: f32,
-    /// From lengths along the frame's z to those of the walk, rounded up.
-    pub(super) walk_per_length: f32,
+    /// From lengths along the frame's z to those of the walk.
+    walk_per_length: f32,
     /// Not less than the magnitude of any difference between a point of the tree and the origin, along each axis.
     pub(super) span: f32,
     /// Bound on the error of a sheared coordinate.
     pub(super) error: f32,
+    /// As that of the [`WalkRay`].
+    pub(super) least: f32,
 }
 
 /// What is the same for all rays of a tree.
@@ -77,19 +81,20 @@ impl WalkRay {
     pub(super) fn new(ray: &Ray, reach: &Reach) -> Option<Self> {
         let mut origin = parts(&ray.origin);
         let mut direction = parts(&ray.direction);
-        let mut per_t = 1.0;
+        let (mut per_t, mut least) = (1.0, LEAST_LENGTH);
         let sum = |v: Vec4| v.x.abs() + v.y.abs() + v.z.abs();
         let span = sum(origin) + reach.largest;
         // What is not finite is in no range.
         if !WALK_LENGTHS.contains(&sum(direction)) {
             let scaled = rescaled(ray.direction)?;
             (direction, per_t) = (scaled.0.extend(0.0), scaled.1);
+            least *= per_t.max(1.0);
         }
         let unturned = direction;
-        let mut displacement = WALK_ERROR * span + f32::MIN_POSITIVE;
+        let mut displacement = WALK_ERROR * span + least;
         if let Some(axes) = &reach.axes {
             (origin, direction) = (axes.turn(origin), axes.turn(direction));
-            displacement = TURNED_WALK_ERROR * span + f32::MIN_POSITIVE;
+            displacement = TURNED_WALK_ERROR * span + least;
         }
         let steepness = Vec4::ONE / direction.abs().max(Vec4::splat(LEAST_RATE));
         let inverse = steepness.copysign(direction);
@@ -102,6 +107,7 @@ impl WalkRay {
             leave: widen - middle,
             per_t,
             span,
+            least,
         })
     }
 }
@@ -131,17 +137,25 @@ impl LaneRay {
             origin: [origin[axes[0]], origin[axes[1]], origin[last]],
             shear: [direction[axes[0]] * per_rate, direction[axes[1]] * per_rate],
             rate: ray.direction.as_ref()[last],
-            walk_per_length: per_rate.abs() * (1.0 + 4.0 * f32::EPSILON),
+            walk_per_length: per_rate.abs(),
             span,
             error: LANE_SHEAR_ERROR * span + f32::MIN_POSITIVE,
+            least: walk.least,
         }
     }
 
-    /// Lengths along the frame's z at which an interval of `t` begins and ends.
+    /// Lengths along the frame's z at which an interval of `t` begins and ends. What is further has no finite `t`, and so is no hit.
     #[inline(always)]
     pub(super) fn ends(&self, min: f32, max: f32) -> [f32; 2] {
         let rate = self.rate.abs();
-        [min * rate, max * rate]
+        [min.max(f32::MIN) * rate, max.min(f32::MAX) * rate]
+    }
+
+    /// A length along the frame's z as one of the walk, rounded up.
+    #[inline(always)]
+    pub(super) fn walked(&self, length: f32) -> f32 {
+        let walked = length * self.walk_per_length;
+        walked + walked.abs() * (4.0 * U32)
     }
 }
 

@@ -7,7 +7,7 @@ use super::super::store::HEADER;
 use super::edges::{Candidates, Edges};
 use super::kernel::{BlockRay, Lanes, NodeRay, ROW};
 use crate::geometry::tolerance::{
-    BOUND_ROUNDING, GROUP_WALK_ERROR, PRODUCT_ERROR, SHEAR_ERROR, U32,
+    BOUND_ROUNDING, GROUP_WALK_ERROR, LEAST_LENGTH, PRODUCT_ERROR, SHEAR_ERROR, U32,
 };
 
 /// What the rays of a group have in common.
@@ -216,7 +216,7 @@ impl<L: Lanes> Bundle<L> {
                 return Candidates::none(error);
             }
             let sign = L::splat(frame.sign());
-            edges.judge(&corners, met, sign, [self.first, self.last])
+            edges.judge(&corners, met, sign, LEAST_LENGTH, [self.first, self.last])
         }
     }
 
@@ -261,6 +261,7 @@ impl<L: Lanes> Bundle<L> {
                 ],
                 rate: L::splat(frame.sign()),
                 error: self.error.lane(lane),
+                least: LEAST_LENGTH,
             }
         }
     }

@@ -51,7 +51,8 @@ impl<L: Lanes> Edges<L> {
     }
 
     /// What is known of the lanes in `met`: with the error bound of each, and where along the ray they lie. `rate` has the sign of the
-    /// direction along the frame's z; `ends` are the lengths between which a hit matters.
+    /// direction along the frame's z; `least_length` the error of a length that does not shrink with it; `ends` are the lengths between which a hit
+    /// matters.
     ///
     /// # Safety
     /// As for [`Lanes`].
@@ -61,6 +62,7 @@ impl<L: Lanes> Edges<L> {
         corners: &[[L; 3]; 3],
         met: u32,
         rate: L,
+        least_length: f32,
         ends: [L; 2],
     ) -> Candidates<L> {
         let [[ax, ay, az], [bx, by, bz], [cx, cy, cz]] = *corners;
@@ -95,7 +97,7 @@ impl<L: Lanes> Edges<L> {
             let share = error
                 .mul(inverse.abs())
                 .mul_add(L::splat(8.0), L::splat(2.0 * LANE_DEPTH_ERROR));
-            let margin = depth.mul(share);
+            let margin = depth.mul_add(share, L::splat(least_length));
             let (near, far) = (nearest.sub(margin), nearest.add(margin));
             let [first, last] = ends;
             let outside = far.below(first) | last.below(near);

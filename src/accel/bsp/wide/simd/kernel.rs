@@ -178,6 +178,8 @@ pub(super) struct BlockRay<L> {
     /// Its sign is the direction's along the frame's z.
     pub(super) rate: L,
     pub(super) error: f32,
+    /// Error of a length that does not shrink with it.
+    pub(super) least: f32,
 }
 
 impl<L: Lanes> BlockRay<L> {
@@ -193,6 +195,7 @@ impl<L: Lanes> BlockRay<L> {
                 shear: [L::splat(ray.shear[0]), L::splat(ray.shear[1])],
                 rate: L::splat(ray.rate),
                 error: ray.error,
+                least: ray.least,
             }
         }
     }
@@ -252,7 +255,7 @@ impl<L: Lanes> BlockRay<L> {
                 return Candidates::none(edges.u);
             }
             let ends = [L::splat(ends[0]), L::splat(ends[1])];
-            edges.judge(&corners, met, self.rate, ends)
+            edges.judge(&corners, met, self.rate, self.least, ends)
         }
     }
 }

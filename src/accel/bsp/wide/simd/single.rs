@@ -183,7 +183,7 @@ pub(super) fn closest<L: Lanes, C: Counter>(
                     block = block.add(FULL_BLOCK);
                 }
                 if search.ends[1] < before {
-                    last = search.ends[1] * lane_ray.walk_per_length;
+                    last = lane_ray.walked(search.ends[1]);
                     last_lanes = L::splat(last);
                 }
             } else {
