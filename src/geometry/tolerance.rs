@@ -79,7 +79,12 @@ pub const PRODUCT_ERROR: f32 = 7.0 * U32;
 /// ```
 #[inline]
 pub fn edge_function_error(depth: f32, lateral: f32) -> f32 {
-    let shear = SHEAR_ERROR * depth + f32::MIN_POSITIVE;
+    edge_error(SHEAR_ERROR * depth + f32::MIN_POSITIVE, lateral)
+}
+
+/// The same from a bound on the error of the sheared coordinates.
+#[inline(always)]
+pub(crate) fn edge_error(shear: f32, lateral: f32) -> f32 {
     2.0 * shear * (lateral + shear) + PRODUCT_ERROR * (lateral * lateral) + f32::MIN_POSITIVE
 }
 

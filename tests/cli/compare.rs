@@ -169,6 +169,12 @@ fn what_cannot_be_compared_is_said_in_a_line() {
             2,
             "want one of fast, default, best",
         ),
+        (&["--bsp-axes", "polar"], 2, "want one of auto, space"),
+        (
+            &["--bsp-instructions", "mmx"],
+            2,
+            "want one of auto, avx512, avx2, portable",
+        ),
         (&["--camera-index", "5"], 1, "the models have no camera"),
     ] {
         let ran = compare("lecture-block.obj", args);
@@ -191,15 +197,38 @@ fn the_help_tells_the_exit_code() {
 }
 
 #[test]
-fn the_quality_of_the_build_does_not_change_a_picture() {
+fn how_a_tree_is_built_and_walked_does_not_change_a_picture() {
     let folder = tempfile::tempdir().unwrap();
-    for quality in ["fast", "default", "best"] {
-        let name = format!("{quality}.png");
-        let args = ["--bsp-quality", quality, "-o", &name];
-        let ran = render(folder.path(), "lecture-objects.gltf", &args);
+    let picture = |args: &[&str]| {
+        let all = [&["-o", "a.png"], args].concat();
+        let ran = render(folder.path(), "lecture-objects.gltf", &all);
         assert_eq!(ran.code, Some(0), "{ran:?}");
+        std::fs::read(folder.path().join("a.png")).unwrap()
+    };
+    let usual = picture(&[]);
+    for (option, value) in [
+        ("--bsp-quality", "fast"),
+        ("--bsp-quality", "best"),
+        ("--bsp-axes", "auto"),
+        ("--bsp-axes", "space"),
+        ("--bsp-instructions", "auto"),
+        ("--bsp-instructions", "portable"),
+    ] {
+        assert!(picture(&[option, value]) == usual, "{option} {value}");
     }
-    let bytes = |name: &str| std::fs::read(folder.path().join(name)).unwrap();
-    assert_eq!(bytes("fast.png"), bytes("default.png"));
-    assert_eq!(bytes("fast.png"), bytes("best.png"));
+}
+
+#[test]
+fn instructions_that_the_machine_has_not_are_refused() {
+    for name in ["avx512", "avx2"] {
+        let ran = compare("lecture-block.obj", &["--bsp-instructions", name]);
+        match ran.code {
+            Some(0) => {}
+            Some(2) => {
+                let words = format!("this machine has no {name}");
+                assert!(ran.stderr.contains(&words), "{}", ran.stderr);
+            }
+            _ => panic!("{ran:?}"),
+        }
+    }
 }

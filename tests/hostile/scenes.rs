@@ -1,31 +1,22 @@
 //! Scenes that make trouble: much that coincides, lies in one plane or is thin, of every size and at every distance.
 
-use bspray::scene::{Instance, Part, Scene, TriangleMesh};
+use bspray::geometry::Triangle;
+use bspray::scene::{Instance, Scene};
 use glam::{DAffine3, DQuat, Quat, Vec3};
 
 use crate::random::Random;
+use crate::soup::{scene_of, tangle};
 
 /// Triangles, three corners each.
 pub(crate) type Soup = Vec<[Vec3; 3]>;
 
 /// A scene of one mesh in world space.
 pub(crate) fn scene(soup: &Soup) -> Scene {
-    let count = soup.len() as u32;
-    let mesh = TriangleMesh {
-        positions: soup.iter().flatten().copied().collect(),
-        triangles: (0..count).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect(),
-        parts: vec![Part {
-            first_triangle: 0,
-            triangle_count: count,
-            material: 0,
-        }],
-        ..TriangleMesh::default()
-    };
-    Scene {
-        meshes: vec![mesh],
-        instances: vec![Instance::new("soup", 0, DAffine3::IDENTITY)],
-        ..Scene::default()
-    }
+    let triangles: Vec<_> = soup
+        .iter()
+        .map(|&[a, b, c]| Triangle::new(a, b, c))
+        .collect();
+    scene_of(&triangles)
 }
 
 /// The soup placed several times, in ways of all kinds, and its triangles in their places.
@@ -65,7 +56,7 @@ pub(crate) fn placed(random: &mut Random, soup: &Soup) -> (Scene, Soup) {
 
 /// Shapes within a few units, turned by chance.
 fn shapes(random: &mut Random, count: usize) -> Soup {
-    let mut soup = match random.integer(0, 7) {
+    let mut soup = match random.integer(0, 8) {
         0 => scattered(random, count, 0.3),
         1 => grid(random, 2 + count / 20),
         // Every ray meets all of them, and all depths must be exact.
@@ -74,6 +65,10 @@ fn shapes(random: &mut Random, count: usize) -> Soup {
         4 => bricks(random, 1 + count / 12),
         5 => fan(random, count),
         6 => layers(random, count.min(50)),
+        7 => {
+            let triangles = tangle(random, count.min(100));
+            triangles.iter().map(|t| *t.corners()).collect()
+        }
         _ => {
             let mut soup = grid(random, 2 + count / 40);
             soup.extend(bricks(random, 1 + count / 24));

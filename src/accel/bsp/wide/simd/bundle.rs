@@ -4,10 +4,10 @@
 //! `origin + length * (shear.x, shear.y, 1) * sign`, and all lengths are along the frame's z.
 
 use super::super::store::HEADER;
-use super::edges::{Candidates, Edges};
+use super::edges::{Candidates, Edges, edge_errors};
 use super::kernel::{BlockRay, Lanes, NodeRay, ROW};
 use crate::geometry::tolerance::{
-    BOUND_ROUNDING, GROUP_WALK_ERROR, LEAST_LENGTH, PRODUCT_ERROR, SHEAR_ERROR, U32,
+    BOUND_ROUNDING, GROUP_WALK_ERROR, LEAST_LENGTH, SHEAR_ERROR, U32,
 };
 
 /// What the rays of a group have in common.
@@ -68,7 +68,7 @@ pub(super) struct Bundle<L> {
     pub(super) last: L,
 }
 
-/// `a` and `b` added, of each the magnitudes.
+/// The sum of the magnitudes of a vector's components.
 ///
 /// # Safety
 /// As for [`Lanes`].
@@ -157,11 +157,7 @@ impl<L: Lanes> Bundle<L> {
         // SAFETY: the caller's promise.
         unsafe {
             let lateral = self.error.mul_add(L::splat(4.0), L::splat(lateral_bound));
-            let tiny = L::splat(f32::MIN_POSITIVE);
-            let products = lateral.mul(lateral).mul_add(L::splat(PRODUCT_ERROR), tiny);
-            self.error
-                .add(self.error)
-                .mul_add(lateral.add(self.error), products)
+            edge_errors(self.error, lateral)
         }
     }
 

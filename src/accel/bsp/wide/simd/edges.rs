@@ -75,7 +75,6 @@ impl<L: Lanes> Edges<L> {
         } = *self;
         // SAFETY: the caller's promise.
         unsafe {
-            // `edge_function_error`, in lanes.
             let depth = az.abs().max(bz.abs()).max(cz.abs());
             let lateral = ax
                 .abs()
@@ -83,9 +82,7 @@ impl<L: Lanes> Edges<L> {
                 .max(bx.abs().add(by.abs()))
                 .max(cx.abs().add(cy.abs()));
             let tiny = L::splat(f32::MIN_POSITIVE);
-            let shear = depth.mul_add(L::splat(LANE_SHEAR_ERROR), tiny);
-            let lateral_part = lateral.mul(lateral).mul_add(L::splat(PRODUCT_ERROR), tiny);
-            let error = shear.add(shear).mul_add(lateral.add(shear), lateral_part);
+            let error = edge_errors(depth.mul_add(L::splat(LANE_SHEAR_ERROR), tiny), lateral);
             let misses = least.below_and_above(L::splat(0.0).sub(error), greatest, error);
             let certain = error.below(least) | greatest.below(L::splat(0.0).sub(error));
             // Where along the ray: see `tolerance::LANE_DEPTH_ERROR`.
@@ -111,6 +108,20 @@ impl<L: Lanes> Edges<L> {
                 far,
             }
         }
+    }
+}
+
+/// [`edge_error`](crate::geometry::tolerance::edge_error), in lanes.
+///
+/// # Safety
+/// As for [`Lanes`].
+#[inline(always)]
+pub(super) unsafe fn edge_errors<L: Lanes>(shear: L, lateral: L) -> L {
+    // SAFETY: the caller's promise.
+    unsafe {
+        let tiny = L::splat(f32::MIN_POSITIVE);
+        let products = lateral.mul(lateral).mul_add(L::splat(PRODUCT_ERROR), tiny);
+        shear.add(shear).mul_add(lateral.add(shear), products)
     }
 }
 

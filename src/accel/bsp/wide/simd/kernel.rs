@@ -4,7 +4,7 @@ use super::super::node::{Node, WIDTH};
 use super::super::store::HEADER;
 use super::super::walk::{LaneRay, WalkRay};
 use super::edges::{Candidates, Edges};
-use crate::geometry::tolerance::PRODUCT_ERROR;
+use crate::geometry::tolerance::edge_error;
 
 /// Eight lanes of `f32`: as in memory, the first lane first, and nothing else.
 ///
@@ -246,10 +246,7 @@ impl<L: Lanes> BlockRay<L> {
             let [cx, cy, cz] = self.sheared(x.add(next), y.add(next), z.add(next));
             let corners = [[ax, ay, az], [bx, by, bz], [cx, cy, cz]];
             let edges = Edges::of(&corners);
-            let lateral = *block + 4.0 * self.error;
-            let error = 2.0 * self.error * (lateral + self.error)
-                + PRODUCT_ERROR * lateral * lateral
-                + f32::MIN_POSITIVE;
+            let error = edge_error(self.error, *block + 4.0 * self.error);
             let met = !edges.misses(L::splat(error)) & ((1 << count) - 1);
             if met == 0 {
                 return Candidates::none(edges.u);
