@@ -64,13 +64,14 @@ const COSTS: Costs = Costs {
 const UNDIVIDED: usize = 3;
 
 fn plan(quality: BspQuality) -> Plan {
-    let (bins, allowance) = match quality {
-        BspQuality::Fast => ([16, 8], 0.0),
-        BspQuality::Default => ([32, 16], 1.0),
-        BspQuality::Best => ([32, 32], 2.0),
+    let (bins, allowance, step) = match quality {
+        // A dearer step leaves less to divide.
+        BspQuality::Fast => ([16, 8], 0.0, 1.0),
+        BspQuality::Default => ([32, 16], 1.0, COSTS.step),
+        BspQuality::Best => ([32, 32], 2.0, COSTS.step),
     };
     Plan {
-        costs: COSTS,
+        costs: Costs { step, ..COSTS },
         bins,
         undivided: UNDIVIDED,
         allowance,
