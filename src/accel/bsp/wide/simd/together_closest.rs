@@ -26,7 +26,7 @@ impl<L: Lanes> Visit<L> for Closest<'_> {
     }
 }
 
-/// The nearest hits of up to [`GROUP`] rays, one at least. A bit for each ray that has no answer and must walk alone.
+/// The nearest hits of up to [`GROUP`](super::table::GROUP) rays, one at least. A bit for each ray that has no answer and must walk alone.
 #[inline(always)]
 pub(super) fn closest_together<L: Lanes>(tree: Tree<'_>, rays: &[Ray], found: &mut [Found]) -> u64 {
     let mut closest = Closest { tree, rays, found };
