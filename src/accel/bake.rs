@@ -7,7 +7,7 @@
 use glam::{DAffine3, DMat3, DVec3};
 
 use super::normalized::NormalizedSpace;
-use crate::geometry::tolerance::{INSTANCE_FAR, instance_margin};
+use crate::geometry::tolerance::{INSTANCE_FAR, INSTANCE_LEAST_DIRECTION, instance_margin};
 use crate::geometry::{Aabb, Ray, Triangle};
 use crate::scene::{Instance, Scene};
 
@@ -109,13 +109,23 @@ impl Placement {
         let Some(instance) = &self.instance else {
             return 0.0;
         };
-        let norm = |m: DMat3| m.to_cols_array().iter().map(|x| x * x).sum::<f64>().sqrt();
         let matrix = norm(instance.world_from_object.matrix3);
         let inverse = norm(instance.object_from_world.matrix3);
         let offset = space.distance(instance.world_from_object.translation);
         let reach = INSTANCE_FAR / space.length(1.0);
         instance_margin(matrix, inverse, instance.object_radius, reach + offset)
     }
+
+    /// Least largest component of a world-space direction for which [`Placement::margin`] holds.
+    pub(super) fn least_direction(&self) -> f64 {
+        let way = self.instance.as_ref().map(|i| i.world_from_object.matrix3);
+        way.map_or(0.0, |m| INSTANCE_LEAST_DIRECTION * norm(m))
+    }
+}
+
+/// Frobenius norm.
+fn norm(m: DMat3) -> f64 {
+    m.to_cols_array().iter().map(|x| x * x).sum::<f64>().sqrt()
 }
 
 impl PlacedInstance {

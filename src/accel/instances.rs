@@ -43,6 +43,8 @@ pub(super) struct Instances<S, T> {
     sets: Vec<S>,
     placements: Vec<Placement>,
     top: T,
+    /// Of a direction's largest component; with shorter ones every placement is visited.
+    least_direction: f64,
     /// There is one set, and it is in world space.
     is_lone: bool,
 }
@@ -56,9 +58,23 @@ impl<S: TraceSet, T: Top> Instances<S, T> {
         let top = build_top(&baked.placements);
         Self {
             sets: baked.sets.into_iter().map(build_set).collect(),
+            least_direction: baked
+                .placements
+                .iter()
+                .fold(0.0, |least, p| least.max(p.least_direction())),
             is_lone: matches!(&*baked.placements, [only] if only.instance.is_none()),
             placements: baked.placements,
             top,
+        }
+    }
+
+    /// As [`Top::visit`], for all rays.
+    #[inline(always)]
+    fn visit<C: Counter>(&self, ray: &Ray, counter: &mut C, visit: impl FnMut(u32, &mut C) -> f32) {
+        if f64::from(ray.direction.abs().max_element()) >= self.least_direction {
+            self.top.visit(ray, counter, visit);
+        } else {
+            EveryPlacement(self.placements.len() as u32).visit(ray, counter, visit);
         }
     }
 
@@ -87,7 +103,7 @@ impl<S: TraceSet, T: Top> Trace for Instances<S, T> {
             return None;
         }
         let mut nearest = Nearest::of(ray);
-        self.top.visit(ray, counter, |placement, counter| {
+        self.visit(ray, counter, |placement, counter| {
             if let Some((set, mut ray, instance)) = self.enter(placement, ray) {
                 ray.interval.max = nearest.limit();
                 set.closest(&ray, instance, &mut nearest, counter);
@@ -109,7 +125,7 @@ impl<S: TraceSet, T: Top> Trace for Instances<S, T> {
             return self.trace_closest(ray, counter).is_some();
         }
         let mut occluded = false;
-        self.top.visit(ray, counter, |placement, counter| {
+        self.visit(ray, counter, |placement, counter| {
             occluded |= self
                 .enter(placement, ray)
                 .is_some_and(|(set, ray, _)| set.any(&ray, counter));

@@ -223,6 +223,12 @@ pub const CUT_ERROR_BY_PLACE: f32 = 8.0 * U32;
 /// a multiple of u times this distance; [`instance_margin`] covers it up to here.
 pub const INSTANCE_FAR: f64 = 64.0;
 
+/// Length of a direction in object space, below which it may lose more than u of itself where it underflows: 2^-126.
+///
+/// In world space, the largest component is compared with this times the Frobenius norm of the way there. With shorter directions every instance is
+/// visited. Smaller: hits are lost by directions below 1e-38; larger: more rays visit all.
+pub const INSTANCE_LEAST_DIRECTION: f64 = f32::MIN_POSITIVE as f64;
+
 /// Height above a plane that covers the roundings of a ray's walk through the polygon BSP, in units of the sum of the coordinates of `o - a` and of `t d`,
 /// beside the error of the plane's normal: 16 v.
 ///
@@ -240,10 +246,14 @@ pub const TILING_AREA: f64 = 64.0 * POSITION_TRUST;
 /// The object-space origin and direction are rounded: by `u |o|` and `u |d|` a component, `o` being at most `reach *
 /// inverse_norm + object_radius` from the origin of the object's space, and `t |d|` at most `|o|` plus `object_radius`. The sum comes back to
 /// world space through a matrix of Frobenius norm `norm`; the square root of 3 is for the three components. `reach` is
-/// the distance of the ray's origin from the instance's own, in world units.
+/// the distance of the ray's origin from the instance's own, in world units. What underflows is off by `u` 2^-126 more. For the origin that is added here;
+/// the direction must be at least [`INSTANCE_LEAST_DIRECTION`] times `norm`, so that it is no more than the first `u |d|` again, which the factor 2 pays for.
 pub fn instance_margin(norm: f64, inverse_norm: f64, object_radius: f64, reach: f64) -> f64 {
     let origin = reach * inverse_norm;
-    2.0 * 1.7321 * f64::from(U32) * norm * (2.0 * origin + object_radius)
+    2.0 * 1.7321
+        * f64::from(U32)
+        * norm
+        * (2.0 * origin + object_radius + f64::from(f32::MIN_POSITIVE))
 }
 
 /// How far a ray must start from the surface that it leaves, in world units: `factors.0 * c + factors.1`, where `c` is the

@@ -2,7 +2,8 @@
 
 use bspray::accel::AcceleratorKind;
 use bspray::geometry::{Interval, Ray};
-use glam::Vec3;
+use bspray::scene::{Instance, Scene};
+use glam::{DAffine3, DVec3, Vec3};
 
 use crate::scenes::{Soup, scene};
 use crate::{all_choices, faults};
@@ -11,15 +12,33 @@ const EVERYWHERE: Interval = Interval::new(f32::NEG_INFINITY, f32::INFINITY);
 
 /// All choices must answer as `linear`, which must find so many hits.
 fn check(soup: &Soup, rays: &[Ray], hits: usize) {
-    let scene = scene(soup);
-    let linear = AcceleratorKind::Linear.build(&scene);
+    check_scene(&scene(soup), rays, hits);
+}
+
+fn check_scene(scene: &Scene, rays: &[Ray], hits: usize) {
+    let linear = AcceleratorKind::Linear.build(scene);
     let truth: Vec<_> = rays.iter().map(|r| linear.closest_hit(r)).collect();
     assert_eq!(truth.iter().flatten().count(), hits);
     for options in all_choices() {
-        let tree = AcceleratorKind::Bsp.build_with(&scene, &options);
+        let tree = AcceleratorKind::Bsp.build_with(scene, &options);
         let faults = faults(&*tree, rays, &truth);
         assert!(faults.is_empty(), "{options:?}: {faults:?}");
     }
+}
+
+#[test]
+fn directions_that_underflow_in_object_space_lose_nothing() {
+    // (1.6, 0, 1.9) units in the last place are rounded to (2, 0, 2) there: 45 degrees from the axis rather than 40.
+    let aside = [[-0.02, -0.1, 0.0], [0.02, 0.1, 0.0], [0.02, -0.1, 0.01]];
+    let middle = Vec3::new(1.0, 0.0, 1.0);
+    let soup = vec![aside.map(|p| (middle + Vec3::from(p)) * 1e-26)];
+    let mut scene = scene(&soup);
+    let larger = |by: f64| Instance::new("larger", 0, DAffine3::from_scale(DVec3::splat(by)));
+    scene.instances = (5..60).map(|i| larger(2e5 * f64::from(i))).collect();
+    let direction = Vec3::new(2.2e-39, 0.0, 2.7e-39);
+    let ends = [f32::INFINITY, 1e19];
+    let rays = ends.map(|max| Ray::new(Vec3::ZERO, direction).within(Interval::new(0.0, max)));
+    check_scene(&scene, &rays, 2);
 }
 
 /// A triangle around the z axis, of this size, at this height.
