@@ -10,6 +10,7 @@ pub mod bsp;
 mod bvh;
 mod bvh_sets;
 mod counters;
+pub mod extents;
 mod hit;
 mod instances;
 mod linear;
