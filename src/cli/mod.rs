@@ -7,6 +7,7 @@ mod bsp_args;
 mod camera_args;
 mod compare;
 mod compare_report;
+mod extent_args;
 mod files;
 mod inspect;
 mod inspect_bsp;

@@ -1,0 +1,117 @@
+//! Rays by which `auto` chooses extents: a coarse grid of eye rays, and one ray onwards from each of their hits.
+//!
+//! All numbers come from a fixed sequence, and costs are counted: the same scene, view and options give the same plan on every machine with the same
+//! instructions (the wide BSP counts its steps by these).
+
+use glam::{DVec3, Vec3};
+
+use super::screen::View;
+use super::study::ObjectStudy;
+use super::trace::ExtentsLoop;
+use crate::accel::Trace;
+use crate::accel::counters::Uncounted;
+use crate::geometry::{Aabb, Ray, RayOrigin};
+
+/// Most eye rays. More: better plans for small objects, at a build time that grows with them.
+const MOST_RAYS: usize = 2048;
+
+/// Least eye rays, for scenes of many objects.
+const LEAST_RAYS: usize = 64;
+
+/// Visits of objects up to which all eye rays are sent.
+const MOST_VISITS: usize = 1 << 20;
+
+/// Numbers in 0..1 (SplitMix64; Steele, Lea, Flood 2014).
+struct Numbers(u64);
+
+impl Numbers {
+    fn next(&mut self) -> f64 {
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let z = (self.0 ^ (self.0 >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        let z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        ((z ^ (z >> 31)) >> 11) as f64 / (1_u64 << 53) as f64
+    }
+
+    /// Evenly on the unit sphere.
+    fn direction(&mut self) -> DVec3 {
+        let z = 2.0 * self.next() - 1.0;
+        let angle = std::f64::consts::TAU * self.next();
+        let across = (1.0 - z * z).max(0.0).sqrt();
+        DVec3::new(across * libm::cos(angle), across * libm::sin(angle), z)
+    }
+}
+
+/// What probe rays cost at each object. Without a view they come from around the scene.
+pub(super) fn study(objects: &ExtentsLoop, view: Option<&View>, bounds: &Aabb) -> Vec<ObjectStudy> {
+    let count = (MOST_VISITS / objects.objects().len().max(1)).clamp(LEAST_RAYS, MOST_RAYS);
+    let mut numbers = Numbers(1);
+    let first = match view {
+        Some(view) => eye_rays(view, count, &mut numbers),
+        None => around(bounds, count, &mut numbers),
+    };
+    let onwards: Vec<Ray> = first
+        .iter()
+        .filter_map(|ray| onward(objects, ray, &mut numbers))
+        .collect();
+    let mut studies = objects.study(&first, true);
+    for (study, more) in studies.iter_mut().zip(objects.study(&onwards, true)) {
+        study.add(&more);
+    }
+    studies
+}
+
+/// One ray through each cell of a grid of the picture.
+fn eye_rays(view: &View, count: usize, numbers: &mut Numbers) -> Vec<Ray> {
+    let (width, height) = view.size;
+    let pixels = f64::from(width) * f64::from(height);
+    let cell = (pixels / count as f64).sqrt().max(1.0);
+    let cells = |side: u32| (f64::from(side) / cell).ceil() as u32;
+    let mut rays = Vec::new();
+    for row in 0..cells(height) {
+        for column in 0..cells(width) {
+            let place = |cell_number: u32, share: f64, side: u32| {
+                (((f64::from(cell_number) + share) * cell) as u32).min(side - 1)
+            };
+            let x = place(column, numbers.next(), width);
+            let y = place(row, numbers.next(), height);
+            let at = |pixel: u32| f64::from(pixel) + 0.5;
+            rays.push(view.camera.ray(at(x), at(y), Some((x, y))));
+        }
+    }
+    rays
+}
+
+/// From a sphere around the scene to points in its box.
+fn around(bounds: &Aabb, count: usize, numbers: &mut Numbers) -> Vec<Ray> {
+    if bounds.is_empty() {
+        return Vec::new();
+    }
+    let (center, size) = (bounds.center().as_dvec3(), bounds.extent().as_dvec3());
+    let ray = |_| {
+        let from = center + numbers.direction() * f64::from(bounds.diagonal());
+        let share = DVec3::new(numbers.next(), numbers.next(), numbers.next());
+        let to = bounds.min.as_dvec3() + size * share;
+        Ray::new(from.as_vec3(), (to - from).normalize_or_zero().as_vec3())
+    };
+    (0..count).map(ray).collect()
+}
+
+/// From what the ray meets back into the half space that it came from.
+fn onward(objects: &ExtentsLoop, ray: &Ray, numbers: &mut Numbers) -> Option<Ray> {
+    let hit = objects.trace_closest(ray, &mut Uncounted)?;
+    // A little before the surface: an eighth of single precision's digits are lost to it, and a plan needs none of them.
+    let place: Vec3 = ray.at(hit.t * (1.0 - 1e-4));
+    let direction = numbers.direction().as_vec3();
+    let back = if direction.dot(ray.direction) > 0.0 {
+        -direction
+    } else {
+        direction
+    };
+    Some(Ray {
+        source: RayOrigin {
+            depth: ray.source.depth + 1,
+            pixel: None,
+        },
+        ..Ray::new(place, back)
+    })
+}
