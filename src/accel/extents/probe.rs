@@ -5,6 +5,7 @@
 
 use glam::{DVec3, Vec3};
 
+use super::choice::ExtentSet;
 use super::screen::View;
 use super::study::ObjectStudy;
 use super::trace::ExtentsLoop;
@@ -20,6 +21,12 @@ const LEAST_RAYS: usize = 64;
 
 /// Visits of objects up to which all eye rays are sent.
 const MOST_VISITS: usize = 1 << 20;
+
+/// Cost, in the unit of the table, after which no more rays are sent: a tenth of a second. It bounds the time that a plan takes where full tests are very expensive.
+const MOST_COST: f64 = 1e8;
+
+/// Rays that are looked at between two looks at the cost.
+const ROUND: usize = 32;
 
 /// Numbers in 0..1 (SplitMix64; Steele, Lea, Flood 2014).
 struct Numbers(u64);
@@ -49,13 +56,25 @@ pub(super) fn study(objects: &ExtentsLoop, view: Option<&View>, bounds: &Aabb) -
         Some(view) => eye_rays(view, count, &mut numbers),
         None => around(bounds, count, &mut numbers),
     };
-    let onwards: Vec<Ray> = first
-        .iter()
-        .filter_map(|ray| onward(objects, ray, &mut numbers))
-        .collect();
-    let mut studies = objects.study(&first, true);
-    for (study, more) in studies.iter_mut().zip(objects.study(&onwards, true)) {
-        study.add(&more);
+    let mut studies = objects.study(&[], true);
+    let mut spent = 0.0;
+    // Every round is spread over the whole list.
+    let rounds = first.len().div_ceil(ROUND);
+    for round in 0..rounds {
+        let rays: Vec<Ray> = first.iter().skip(round).step_by(rounds).copied().collect();
+        let onwards = rays
+            .iter()
+            .filter_map(|ray| onward(objects, ray, &mut numbers));
+        let onwards: Vec<Ray> = onwards.collect();
+        for rays in [&rays, &onwards] {
+            for (study, more) in studies.iter_mut().zip(objects.study(rays, true)) {
+                spent += more.cost(ExtentSet::NONE) * more.rays() as f64;
+                study.add(&more);
+            }
+        }
+        if spent > MOST_COST {
+            break;
+        }
     }
     studies
 }
