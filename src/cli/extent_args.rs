@@ -40,11 +40,6 @@ impl ExtentArgs {
         }
     }
 
-    /// Which structure is within the objects.
-    pub(super) fn mesh(&self) -> MeshAccelerator {
-        self.mesh_accel.unwrap_or_default()
-    }
-
     /// Refuses options that no structure would look at.
     pub(super) fn check(&self, kinds: &[AcceleratorKind]) -> anyhow::Result<()> {
         let given = [
@@ -65,6 +60,6 @@ fn sphere(text: &str) -> Result<ExtentSphere, String> {
     one_of(ExtentSphere::ALL, ExtentSphere::name, text)
 }
 
-fn mesh(text: &str) -> Result<MeshAccelerator, String> {
+pub(super) fn mesh(text: &str) -> Result<MeshAccelerator, String> {
     one_of(MeshAccelerator::ALL, MeshAccelerator::name, text)
 }

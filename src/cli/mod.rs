@@ -11,6 +11,7 @@ mod extent_args;
 mod files;
 mod inspect;
 mod inspect_bsp;
+mod ladder;
 mod metadata;
 mod numbers;
 mod output;
@@ -41,6 +42,8 @@ enum Command {
     Inspect(inspect::InspectArgs),
     /// Compare structures on the rays of one view: builds, speed, steps, and who is right
     Compare(Box<compare::CompareArgs>),
+    /// Measure what each step from no extents to trees gives, for eye, shadow and mirror rays
+    Ladder(Box<ladder::LadderArgs>),
     /// Print a script that completes bspray's arguments in a shell
     Completions(shell::CompletionsArgs),
     /// Print bspray's manual page, in roff
@@ -80,6 +83,7 @@ pub(crate) fn run() -> ExitCode {
         Command::Render(args) => render::run(&args),
         Command::Inspect(args) => inspect::run(&args),
         Command::Compare(args) => compare::run(&args),
+        Command::Ladder(args) => ladder::run(&args),
         Command::Completions(args) => shell::completions(&args),
         Command::Man => shell::man(),
     };

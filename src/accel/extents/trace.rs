@@ -8,7 +8,7 @@ use super::cost::CostTable;
 use super::object::{ObjectExtents, WorldRay};
 use super::ray::ExtentRay;
 use super::study::ObjectStudy;
-use super::tally::ExtentTally;
+use super::tally::{ExtentTally, ObjectTally};
 use super::{probe, set::MeshSet};
 use crate::accel::bake::{self, Baked, TestSpaces};
 use crate::accel::counters::{BuildStats, Counter, TraceCounters, Uncounted};
@@ -164,6 +164,28 @@ impl ExtentsLoop {
     /// As [`Accelerator::any_hit`](crate::accel::Accelerator::any_hit), and counts the outcomes at every object.
     pub fn any_tallied(&self, ray: &Ray, tally: &mut ExtentTally) -> bool {
         self.trace_any(ray, tally)
+    }
+
+    /// What was counted, by the table of costs.
+    pub fn tallied_cost(&self, tally: &ExtentTally) -> f64 {
+        let of_object = |(object, tally): (&ExtentObject, &ObjectTally)| {
+            let tests = ExtentTest::ALL.into_iter().zip(&tally.tests);
+            let tests = tests.map(|(test, t)| {
+                let planes = t.planes as f64 / t.tested.max(1) as f64;
+                self.table.test(test, planes) * t.tested as f64
+            });
+            let is_for_tests = object.tests.tests().any(ExtentTest::is_in_object_space);
+            let transform = if is_for_tests {
+                self.table.transform
+            } else {
+                self.table.bare_transform
+            };
+            tests.sum::<f64>()
+                + transform * tally.transforms as f64
+                + self.table.enter * tally.full_tests as f64
+                + self.table.steps(&tally.steps)
+        };
+        self.objects.iter().zip(&tally.objects).map(of_object).sum()
     }
 
     /// What every combination of extents would cost on these rays, for each object. `is_closest` tells whether the nearest hit is asked for, or any.
