@@ -11,6 +11,7 @@ mod extent_args;
 mod files;
 mod inspect;
 mod inspect_bsp;
+mod inspect_extents;
 mod ladder;
 mod metadata;
 mod numbers;

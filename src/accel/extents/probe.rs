@@ -12,6 +12,7 @@ use super::trace::ExtentsLoop;
 use crate::accel::Trace;
 use crate::accel::counters::Uncounted;
 use crate::geometry::{Aabb, Ray, RayOrigin};
+use crate::scene::Scene;
 
 /// Most eye rays. More: better plans for small objects, at a build time that grows with them.
 const MOST_RAYS: usize = 2048;
@@ -49,7 +50,12 @@ impl Numbers {
 }
 
 /// What probe rays cost at each object. Without a view they come from around the scene.
-pub(super) fn study(objects: &ExtentsLoop, view: Option<&View>, bounds: &Aabb) -> Vec<ObjectStudy> {
+pub(super) fn study(
+    scene: &Scene,
+    objects: &ExtentsLoop,
+    view: Option<&View>,
+    bounds: &Aabb,
+) -> Vec<ObjectStudy> {
     let count = (MOST_VISITS / objects.objects().len().max(1)).clamp(LEAST_RAYS, MOST_RAYS);
     let mut numbers = Numbers(1);
     let first = match view {
@@ -64,7 +70,7 @@ pub(super) fn study(objects: &ExtentsLoop, view: Option<&View>, bounds: &Aabb) -
         let rays: Vec<Ray> = first.iter().skip(round).step_by(rounds).copied().collect();
         let onwards = rays
             .iter()
-            .filter_map(|ray| onward(objects, ray, &mut numbers));
+            .filter_map(|ray| onward(scene, objects, ray, &mut numbers));
         let onwards: Vec<Ray> = onwards.collect();
         for rays in [&rays, &onwards] {
             for (study, more) in studies.iter_mut().zip(objects.study(rays, true)) {
@@ -115,22 +121,26 @@ fn around(bounds: &Aabb, count: usize, numbers: &mut Numbers) -> Vec<Ray> {
     (0..count).map(ray).collect()
 }
 
-/// From what the ray meets back into the half space that it came from.
-fn onward(objects: &ExtentsLoop, ray: &Ray, numbers: &mut Numbers) -> Option<Ray> {
+/// From what the ray meets into the half space above the surface.
+fn onward(scene: &Scene, objects: &ExtentsLoop, ray: &Ray, numbers: &mut Numbers) -> Option<Ray> {
     let hit = objects.trace_closest(ray, &mut Uncounted)?;
-    // A little before the surface: an eighth of single precision's digits are lost to it, and a plan needs none of them.
+    let instance = &scene.instances[hit.instance as usize];
+    let triangle = scene.mesh_of(hit.instance).triangle(hit.triangle);
+    let [a, b, c] = triangle
+        .corners()
+        .map(|p| instance.world_point(p).as_dvec3());
+    let normal = (b - a).cross(c - a);
+    let facing = |v: DVec3, to: DVec3| if v.dot(to) < 0.0 { -v } else { v };
+    let normal = facing(normal, -ray.direction.as_dvec3());
+    let direction = facing(numbers.direction(), normal).as_vec3();
+    // A little before the surface: some of single precision's digits are lost to it, and a plan needs none of them.
     let place: Vec3 = ray.at(hit.t * (1.0 - 1e-4));
-    let direction = numbers.direction().as_vec3();
-    let back = if direction.dot(ray.direction) > 0.0 {
-        -direction
-    } else {
-        direction
+    let source = RayOrigin {
+        depth: ray.source.depth + 1,
+        pixel: None,
     };
     Some(Ray {
-        source: RayOrigin {
-            depth: ray.source.depth + 1,
-            pixel: None,
-        },
-        ..Ray::new(place, back)
+        source,
+        ..Ray::new(place, direction)
     })
 }

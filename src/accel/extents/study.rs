@@ -166,7 +166,7 @@ mod tests {
 
     #[test]
     fn where_the_full_test_costs_all_rays_the_same_the_lecture_is_right() {
-        let study = study(80.0, 25, 10);
+        let study = study(96.0, 25, 10);
         let test = ExtentTest::SphereWorld;
         // m = 20, f = 1/40.
         assert!((study.full_cost(test) - 20.0).abs() < 1e-12);
@@ -183,8 +183,8 @@ mod tests {
         let expensive = study(1e6, 900, 100).best();
         assert!(expensive.has(ExtentTest::BoxWorld));
         // A screen extent that admits nobody would be best of all, if the object had one.
-        assert!(study(80.0, 25, 10).best().has(ExtentTest::Screen));
-        let mut without = study(80.0, 25, 10);
+        assert!(study(96.0, 25, 10).best().has(ExtentTest::Screen));
+        let mut without = study(96.0, 25, 10);
         without.available = ExtentSet::NONE.with(ExtentTest::SphereWorld);
         assert_eq!(without.best(), without.available);
     }

@@ -131,7 +131,7 @@ impl ExtentsLoop {
         match options.extents {
             ExtentChoice::Fixed(set) => built.choose(|_| set),
             ExtentChoice::Auto => {
-                let studies = probe::study(&built, options.view.as_ref(), &bounds);
+                let studies = probe::study(scene, &built, options.view.as_ref(), &bounds);
                 built.choose(|object| studies[object].best());
             }
         }
