@@ -178,14 +178,18 @@ mod tests {
 
     #[test]
     fn cheap_objects_get_no_extent_and_expensive_ones_several() {
-        // Two triangles, met by all rays that reach the sphere.
-        assert!(study(3.0, 900, 900).best().is_empty());
-        let expensive = study(1e6, 900, 100).best();
-        assert!(expensive.has(ExtentTest::BoxWorld));
-        // A screen extent that admits nobody would be best of all, if the object had one.
-        assert!(study(96.0, 25, 10).best().has(ExtentTest::Screen));
-        let mut without = study(96.0, 25, 10);
-        without.available = ExtentSet::NONE.with(ExtentTest::SphereWorld);
-        assert_eq!(without.best(), without.available);
+        let has = [ExtentTest::SphereWorld, ExtentTest::BoxWorld];
+        let best = |mut study: ObjectStudy| {
+            study.available = has.into_iter().collect();
+            study.best()
+        };
+        // Two triangles, met by nearly all rays that reach the sphere.
+        assert!(best(study(3.0, 900, 900)).is_empty());
+        assert!(best(study(1e6, 900, 100)).has(ExtentTest::BoxWorld));
+        // Where the box rejects no more than the sphere, it is not asked.
+        let alone = best(study(96.0, 25, 25));
+        assert_eq!(alone, ExtentSet::NONE.with(ExtentTest::SphereWorld));
+        // Tests that the object has not are never chosen, even where they would admit nobody.
+        assert!(!best(study(1e6, 900, 100)).has(ExtentTest::Screen));
     }
 }
