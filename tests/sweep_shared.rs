@@ -1,6 +1,6 @@
 //! Forty million rays at real models: the wide BSP, alone and in batches, against another structure, and against every triangle.
 //!
-//! The models lie in `../shared/models` beside this repository; where they are not there, nothing is tested. It takes a quarter of an hour on two cores:
+//! The models lie in `../shared/models` beside this repository; where they are not there, nothing is tested. It takes three quarters of an hour on one busy core:
 //! `cargo test --release --test sweep_shared -- --ignored --nocapture`.
 
 #[path = "support/random.rs"]
@@ -176,7 +176,7 @@ fn sweep(path: &Path, count: usize) -> (usize, usize) {
 }
 
 #[test]
-#[ignore = "takes a quarter of an hour"]
+#[ignore = "takes half an hour"]
 fn forty_million_rays_have_the_answers_of_other_structures() {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/models");
     let mut paths = Vec::new();

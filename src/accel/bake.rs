@@ -54,7 +54,7 @@ impl TestSpaces {
 }
 
 /// The ray in object space: `t` keeps its meaning. Computed in double precision and rounded once.
-fn object_ray(object_from_world: &DAffine3, ray: &Ray) -> Ray {
+pub(super) fn object_ray(object_from_world: &DAffine3, ray: &Ray) -> Ray {
     let origin = object_from_world
         .transform_point3(ray.origin.as_dvec3())
         .as_vec3();

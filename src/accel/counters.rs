@@ -2,6 +2,8 @@
 
 use std::ops::AddAssign;
 
+use super::extents::ExtentTest;
+
 /// Steps of traversal, summed over rays.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct TraceCounters {
@@ -11,6 +13,8 @@ pub struct TraceCounters {
     pub leaves: u64,
     /// Ray-triangle tests.
     pub primitives: u64,
+    /// Tests of extents of objects: 0 for structures without such.
+    pub extents: u64,
 }
 
 impl AddAssign for TraceCounters {
@@ -18,6 +22,7 @@ impl AddAssign for TraceCounters {
         self.nodes += other.nodes;
         self.leaves += other.leaves;
         self.primitives += other.primitives;
+        self.extents += other.extents;
     }
 }
 
@@ -31,6 +36,18 @@ pub(super) trait Counter {
     fn leaf(&mut self);
     /// So many ray-triangle tests.
     fn primitives(&mut self, count: usize);
+
+    /// One test of an object's extent, which looked at so many planes of a box.
+    fn extent(&mut self, _object: u32, _test: ExtentTest, _planes: u32, _is_admitted: bool) {}
+
+    /// A ray was taken to an object's space.
+    fn transform(&mut self, _object: u32) {}
+
+    /// The full test of an object begins.
+    fn enter(&mut self, _object: u32) {}
+
+    /// The full test of an object ended.
+    fn leave(&mut self, _object: u32, _is_hit: bool) {}
 }
 
 impl Counter for TraceCounters {
@@ -46,6 +63,10 @@ impl Counter for TraceCounters {
 
     fn primitives(&mut self, count: usize) {
         self.primitives += count as u64;
+    }
+
+    fn extent(&mut self, _object: u32, _test: ExtentTest, _planes: u32, _is_admitted: bool) {
+        self.extents += 1;
     }
 }
 

@@ -10,6 +10,7 @@ pub mod bsp;
 mod bvh;
 mod bvh_sets;
 mod counters;
+pub mod extents;
 mod hit;
 mod instances;
 mod linear;
@@ -192,15 +193,18 @@ pub enum AcceleratorKind {
     Bvh2,
     /// obvhs's compressed BVH of eight children a node (Ylitie, Karras, Laine 2017).
     Cwbvh,
+    /// The lecture's loop over all objects, with their extents.
+    Extents,
 }
 
 impl AcceleratorKind {
     /// All kinds, the default first.
-    pub const ALL: [Self; 5] = [
+    pub const ALL: [Self; 6] = [
         Self::Bsp,
         Self::BspPolygon,
         Self::Bvh2,
         Self::Cwbvh,
+        Self::Extents,
         Self::Linear,
     ];
 
@@ -212,6 +216,7 @@ impl AcceleratorKind {
             Self::BspPolygon => "bsp-polygon",
             Self::Bvh2 => "bvh2",
             Self::Cwbvh => "cwbvh",
+            Self::Extents => "extents",
         }
     }
 
@@ -227,6 +232,9 @@ impl AcceleratorKind {
             }
             Self::Bvh2 => "binary bounding volume hierarchy (obvhs)",
             Self::Cwbvh => "compressed bounding volume hierarchy, eight children a node (obvhs)",
+            Self::Extents => {
+                "the lecture's loop over all objects, with their extents (--extents, --mesh-accel)"
+            }
         }
     }
 
@@ -267,6 +275,7 @@ impl AcceleratorKind {
             }
             Self::Bvh2 => Box::new(bvh(baked, BvhKind::Binary)),
             Self::Cwbvh => Box::new(bvh(baked, BvhKind::Wide)),
+            Self::Extents => Box::new(extents::ExtentsLoop::of(scene, baked, options)),
         }
     }
 }

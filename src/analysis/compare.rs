@@ -30,11 +30,13 @@ pub struct CompareOptions {
 }
 
 impl Default for CompareOptions {
-    /// All kinds with a structure, on the rays of a small picture.
+    /// All kinds with a structure over the whole scene, on the rays of a small picture.
     fn default() -> Self {
         let all = AcceleratorKind::ALL.into_iter();
         Self {
-            kinds: all.filter(|k| *k != AcceleratorKind::Linear).collect(),
+            kinds: all
+                .filter(|k| !matches!(k, AcceleratorKind::Linear | AcceleratorKind::Extents))
+                .collect(),
             build: BuildOptions::default(),
             size: (1280, 720),
             most_rays: 200_000,

@@ -26,6 +26,7 @@ mod accuracy;
 mod clock;
 mod compare;
 mod dispute;
+mod ladder;
 mod measure;
 mod view_rays;
 
@@ -35,5 +36,6 @@ pub use compare::{
     BuiltMethod, CompareOptions, Comparison, MethodOnSet, Phase, SetReport, compare_set,
 };
 pub use dispute::WrongRay;
+pub use ladder::{Ladder, LadderOptions, LadderStep, StepOnRays, ray_sets};
 pub use measure::{Speed, Spread, Timing, answers, build, speeds_in_turns, steps};
 pub use view_rays::{Query, RayPurpose, RaySet, ViewOptions, view_rays};

@@ -35,11 +35,13 @@ impl BspArgs {
             order: self.bsp_order,
             merges_coplanar: self.bsp_merge,
             seed: u64::from(seed),
+            ..BuildOptions::default()
         }
     }
 }
 
-fn one_of<T: Copy, const N: usize>(
+/// The one of `all` that has the name.
+pub(super) fn one_of<T: Copy, const N: usize>(
     all: [T; N],
     name: fn(T) -> &'static str,
     text: &str,

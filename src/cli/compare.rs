@@ -4,12 +4,14 @@ use std::path::PathBuf;
 
 use anyhow::{Context, bail};
 use bspray::accel::AcceleratorKind;
+use bspray::accel::extents::View;
 use bspray::analysis::{CompareOptions, Comparison, Phase};
 use clap::Args;
 
 use super::bsp_args::BspArgs;
 use super::camera_args::{self, CameraArgs};
 use super::compare_report::CompareReport;
+use super::extent_args::ExtentArgs;
 use super::{Done, UsageError, output, render, values};
 
 /// Arguments of `bspray compare`.
@@ -22,12 +24,14 @@ pub(super) struct CompareArgs {
     /// Model files (.obj, .gltf, .glb); several make one scene
     #[arg(required = true, value_name = "MODEL")]
     models: Vec<PathBuf>,
-    /// The structures, with commas between; the others are measured by the first [default: all but linear]
+    /// The structures, with commas between; the others are measured by the first [default: all but extents and linear]
     #[arg(long, value_name = "KIND,...", value_delimiter = ',', value_parser = values::accelerator,
-        long_help = render::accelerator_help("The structures, with commas between; the others are measured by the first [default: all but linear]"))]
+        long_help = render::accelerator_help("The structures, with commas between; the others are measured by the first [default: all but extents and linear]"))]
     accel: Vec<AcceleratorKind>,
     #[command(flatten)]
     bsp: BspArgs,
+    #[command(flatten)]
+    extents: ExtentArgs,
     /// Width and height of the view, in pixels
     #[arg(long, value_name = "WxH", value_parser = values::resolution, default_value = "1280x720")]
     resolution: (u32, u32),
@@ -55,7 +59,7 @@ pub(super) struct CompareArgs {
 
 /// Compares and tells.
 pub(super) fn run(args: &CompareArgs) -> anyhow::Result<Done> {
-    let options = options(args)?;
+    let mut options = options(args)?;
     let scene = bspray::import::load(&args.models)?;
     if !args.quiet {
         output::tell("note", &scene.notes);
@@ -65,6 +69,12 @@ pub(super) fn run(args: &CompareArgs) -> anyhow::Result<Done> {
     let frame = camera
         .frame(args.resolution.0, args.resolution.1)
         .context("the camera is impossible")?;
+    let view = View {
+        camera: frame,
+        size: args.resolution,
+        filter_radius: 0.0,
+    };
+    options.build = args.extents.add_to(options.build, view);
     let camera_flags = camera_args::as_flags(&camera, &scene, args.camera.up());
     let pool = rayon::ThreadPoolBuilder::new()
         .num_threads(args.threads)
@@ -102,12 +112,14 @@ fn options(args: &CompareArgs) -> anyhow::Result<CompareOptions> {
             bail!(UsageError(format!("--accel names {kind} twice")));
         }
     }
+    let kinds = if args.accel.is_empty() {
+        defaults.kinds
+    } else {
+        args.accel.clone()
+    };
+    args.extents.check(&kinds)?;
     Ok(CompareOptions {
-        kinds: if args.accel.is_empty() {
-            defaults.kinds
-        } else {
-            args.accel.clone()
-        },
+        kinds,
         build: args.bsp.options(args.seed),
         size: args.resolution,
         most_rays: args.rays as usize,

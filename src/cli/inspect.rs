@@ -8,6 +8,7 @@ use clap::Args;
 use serde_json::{Value, json};
 
 use super::inspect_bsp::{self, InspectBspArgs};
+use super::inspect_extents::{self, InspectExtentArgs};
 use super::numbers::{number, numbers};
 use super::{Done, output};
 
@@ -22,6 +23,8 @@ pub(super) struct InspectArgs {
     json: bool,
     #[command(flatten)]
     bsp: InspectBspArgs,
+    #[command(flatten)]
+    extents: InspectExtentArgs,
 }
 
 /// Rows of a list that are shown without `--json`.
@@ -33,6 +36,9 @@ pub(super) fn run(args: &InspectArgs) -> anyhow::Result<Done> {
     let scene = bspray::import::load(&args.models)?;
     if args.bsp.bsp {
         return inspect_bsp::run(&scene, &args.models, &args.bsp, args.json);
+    }
+    if args.extents.extent_table {
+        return inspect_extents::run(&scene, &args.extents, args.json);
     }
     let report = report(&scene, &args.models);
     output::result(&if args.json {

@@ -7,9 +7,12 @@ mod bsp_args;
 mod camera_args;
 mod compare;
 mod compare_report;
+mod extent_args;
 mod files;
 mod inspect;
 mod inspect_bsp;
+mod inspect_extents;
+mod ladder;
 mod metadata;
 mod numbers;
 mod output;
@@ -40,6 +43,8 @@ enum Command {
     Inspect(inspect::InspectArgs),
     /// Compare structures on the rays of one view: builds, speed, steps, and who is right
     Compare(Box<compare::CompareArgs>),
+    /// Measure what each step from no extents to trees gives, for eye, shadow and mirror rays
+    Ladder(Box<ladder::LadderArgs>),
     /// Print a script that completes bspray's arguments in a shell
     Completions(shell::CompletionsArgs),
     /// Print bspray's manual page, in roff
@@ -79,6 +84,7 @@ pub(crate) fn run() -> ExitCode {
         Command::Render(args) => render::run(&args),
         Command::Inspect(args) => inspect::run(&args),
         Command::Compare(args) => compare::run(&args),
+        Command::Ladder(args) => ladder::run(&args),
         Command::Completions(args) => shell::completions(&args),
         Command::Man => shell::man(),
     };

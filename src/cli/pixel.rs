@@ -46,7 +46,7 @@ pub(super) fn run(
             "backdrop": numbers(seen.backdrop.to_array()),
             "rays": rays(traced),
         })).collect::<Vec<_>>(),
-        "steps": { "nodes": cost.nodes, "leaves": cost.leaves, "primitives": cost.primitives },
+        "steps": { "nodes": cost.nodes, "leaves": cost.leaves, "primitives": cost.primitives, "extents": cost.extents },
     });
     output::result(&if as_json {
         format!("{report:#}")

@@ -6,6 +6,7 @@ use std::time::Instant;
 use anyhow::{Context, bail};
 use bspray::accel::AcceleratorKind;
 use bspray::accel::bsp::polygon::SceneTrees;
+use bspray::accel::extents::View;
 use bspray::picture::{Raster, RasterPixels, ToneMap, exposure_factor, exr, ldr, srgb};
 use bspray::render::{
     self, Film, Integrator, PixelFilter, PixelRect, RenderOptions, SkyMode, Stage,
@@ -15,6 +16,7 @@ use clap::{Args, ValueEnum};
 
 use super::bsp_args::{self, BspArgs};
 use super::camera_args::{self, CameraArgs};
+use super::extent_args::ExtentArgs;
 use super::files::{self, OutputKind};
 use super::summary::{RenderSummary, Seconds};
 use super::values::{self, CropWindow, PixelBounds};
@@ -47,6 +49,8 @@ pub(super) struct RenderArgs {
     accel: AcceleratorKind,
     #[command(flatten)]
     bsp: BspArgs,
+    #[command(flatten)]
+    extents: ExtentArgs,
     /// How colours come about
     #[arg(long, value_enum, value_name = "NAME", default_value_t = IntegratorName::Direct)]
     integrator: IntegratorName,
@@ -147,6 +151,7 @@ pub(super) fn run(args: &RenderArgs) -> anyhow::Result<Done> {
         let words = "--bsp-layers: only .exr files have layers: add one with --output";
         bail!(UsageError(words.to_owned()));
     }
+    args.extents.check(&[args.accel])?;
     let window = window(args)?;
 
     let started = Instant::now();
@@ -171,7 +176,16 @@ pub(super) fn run(args: &RenderArgs) -> anyhow::Result<Done> {
         .build()
         .context("cannot start threads")?;
     let started = Instant::now();
-    let build_options = args.bsp.options(args.seed);
+    let filter = match args.filter {
+        FilterName::Box => PixelFilter::Box,
+        FilterName::BlackmanHarris => PixelFilter::BlackmanHarris,
+    };
+    let view = View {
+        camera: frame,
+        size: args.resolution,
+        filter_radius: filter.radius(),
+    };
+    let build_options = args.extents.add_to(args.bsp.options(args.seed), view);
     let accelerator = pool.install(|| args.accel.build_with(&scene, &build_options));
     let integrator = integrator(args, &scene);
     let shows_trees = integrator.shows_trees() || args.bsp_layers;
@@ -190,10 +204,7 @@ pub(super) fn run(args: &RenderArgs) -> anyhow::Result<Done> {
         samples: args.spp,
         seed: args.seed,
         integrator,
-        filter: match args.filter {
-            FilterName::Box => PixelFilter::Box,
-            FilterName::BlackmanHarris => PixelFilter::BlackmanHarris,
-        },
+        filter,
         counts_cost: has_layers || args.stats || args.json,
         wants_first_hits: has_layers,
     };

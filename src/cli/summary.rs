@@ -159,7 +159,7 @@ impl RenderSummary<'_> {
             "samples": self.film.samples(),
             "rays": { "eye": rays.eye, "shadow": rays.shadow, "ambient": rays.ambient, "total": rays.total() },
             "rays_per_second": self.rays_per_second(),
-            "steps": { "nodes": cost.nodes, "leaves": cost.leaves, "primitives": cost.primitives },
+            "steps": { "nodes": cost.nodes, "leaves": cost.leaves, "primitives": cost.primitives, "extents": cost.extents },
         })
     }
 }

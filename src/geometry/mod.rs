@@ -5,6 +5,7 @@
 pub mod exact;
 
 mod aabb;
+mod bounding_sphere;
 mod interval;
 mod ray;
 mod ray_frame;
@@ -12,6 +13,7 @@ pub mod tolerance;
 mod triangle;
 
 pub use aabb::Aabb;
+pub use bounding_sphere::BoundingSphere;
 pub use interval::Interval;
 pub use ray::{Ray, RayOrigin};
 pub(crate) use ray_frame::rounded;

@@ -256,6 +256,71 @@ pub fn instance_margin(norm: f64, inverse_norm: f64, object_radius: f64, reach: 
         * (2.0 * origin + object_radius + f64::from(f32::MIN_POSITIVE))
 }
 
+/// Displacement of an extent's faces, in model units, that pays for every underflow of its test, and for the least numbers of the ray's parameter: 2^-60.
+///
+/// The tests scale a ray's direction by a power of two so that its greatest component lies between 1/2 and 1. A small component may lose 2^-150 by that,
+/// which over the longest way, 2^63, is 2^-87. A hit at a `t` below 2^-150 counts as one at 0; by the greatest scale, 2^81, that is a way of 2^-69.
+/// Smaller than both together: such hits are lost; larger: extents of models of that size reject nothing.
+pub const EXTENT_FLOOR: f32 = 1.0 / (1_u64 << 60) as f32;
+
+/// Magnitudes of a direction's greatest component for which extents are tested, see [`EXTENT_FLOOR`]: 2^-80 to 2^80. Other rays pass.
+pub const EXTENT_DIRECTIONS: std::ops::RangeInclusive<f32> = 8.271_806e-25..=1.208_925_8e24;
+
+/// Greatest coordinate of extents and of rays' origins for which extents are tested: the squares of cross products of their differences with a direction,
+/// summed, stay below 2e38. Other rays pass. It is the importers' [`COORDINATE_LIMIT`], twice.
+pub const EXTENT_FARTHEST: f32 = 2.0 * COORDINATE_LIMIT;
+
+/// Error of the time at which a ray crosses a plane of a box extent, in units of that time: 4 u.
+///
+/// `(b - o) / d` has the roundings of the difference and of the quotient, 2 u + u^2, and the time that is moved by the error has one more.
+/// Both ends of the ray's interval are moved by as much, for the rounding of a hit's `t`. Smaller: rays along faces are lost.
+pub const EXTENT_TIME_ERROR: f32 = 4.0 * U32;
+
+/// Error of the distance of a line from the centre of a sphere extent, in units of the sum of the magnitudes of `o - c`: 8 u.
+///
+/// A component of `(o - c) x d` has two products of a rounded difference, and a difference: 3 u + 3 u^2 of the sum of the magnitudes of
+/// the products. The vector of these sums is at most sqrt 2 |o - c| |d| long: 4.3 u |o - c| |d|. The scalar product `(o - c) . d` has four roundings a
+/// term: 4.1 u of the sum of magnitudes, and 2 u for what it is compared with. Smaller: rays that touch the sphere are lost.
+pub const EXTENT_DISTANCE_ERROR: f32 = 8.0 * U32;
+
+/// Relative error of the squares that are compared in the test of a sphere extent: 3 u each for three squared lengths, 2 u for the enlarged radius, twice, and
+/// 2 u for products: 17 u. The rest is reserve.
+pub const EXTENT_SQUARE_ERROR: f32 = 32.0 * U32;
+
+/// Greatest `n^3 / det` (`n` the norm of a placement's matrix) for which an object's extents take part in tests of rays that are taken to its space:
+/// 2^32. The inverse is computed in `f64` with an error of some `v n^3 / det`, here 2^-21 of itself, which [`object_space_error`] covers.
+pub const EXTENT_MOST_SKEW: f64 = (1_u64 << 32) as f64;
+
+/// How far a ray that is taken to object space passes there beside the exact image of its line, at most, in units of the object.
+///
+/// `inverse_norm` is the norm of the inverse placement, `skew` that of the placement to the third power over its determinant, `object_radius`
+/// the greatest distance of the object's points from the origin of its space, `reach` the distance of the ray's origin from the placement's translation,
+/// and `translation` the length of that, in world units. In single precision it is what [`instance_margin`] has for a norm of 1. In double precision the map
+/// of a point has at most 7 v of `inverse_norm (reach + 2 translation)`, and the inverse itself is wrong by a share of 10 v `skew`; 32 covers both.
+pub fn object_space_error(
+    inverse_norm: f64,
+    skew: f64,
+    object_radius: f64,
+    reach: f64,
+    translation: f64,
+) -> f64 {
+    let origin = reach * inverse_norm;
+    let double = skew * (2.0 * origin + object_radius) + inverse_norm * (reach + 2.0 * translation);
+    instance_margin(1.0, inverse_norm, object_radius, reach) + 32.0 * U64 * double
+}
+
+/// Distance between a point of an object as it is tested and the hull of its point cluster in world space, at most, in units of the greatest coordinate: 4 u.
+///
+/// Both a corner of a triangle and a point of the cluster are placed in double precision and rounded once, u a component: 2 sqrt 3 u, and the rest for the roundings
+/// in double precision, whose sums may be some thousand times as large before they cancel.
+pub const CLUSTER_ERROR: f64 = 4.0 * U32 as f64;
+
+/// Error of the tangent of the angle at which an eye ray leaves the view axis, in units of `1 + x^2 + y^2` (`x`, `y` the greatest tangents of the screen): 4 u.
+///
+/// The direction has unit length, and each component is rounded: u. The tangent is a quotient of components, the divisor being `1 / sqrt(1 + x^2 + y^2)` at
+/// least: u (1 + |x|) sqrt(1 + x^2 + y^2), at most 1.5 u (1 + x^2 + y^2). The rest pays for all that is computed in double precision. Smaller: objects lose pixels at their rim.
+pub const SCREEN_ERROR: f64 = 4.0 * U32 as f64;
+
 /// How far a ray must start from the surface that it leaves, in world units: `factors.0 * c + factors.1`, where `c` is the
 /// greatest coordinate of the triangle's corners in world space.
 ///

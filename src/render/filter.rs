@@ -23,6 +23,14 @@ const TABLE: usize = 2049;
 static INVERSE_CDF: LazyLock<[f32; TABLE]> = LazyLock::new(blackman_harris_inverse_cdf);
 
 impl PixelFilter {
+    /// How far from the pixel's centre samples fall at most, along either axis, in pixels.
+    pub const fn radius(self) -> f64 {
+        match self {
+            Self::Box => 0.5,
+            Self::BlackmanHarris => BLACKMAN_HARRIS_RADIUS,
+        }
+    }
+
     /// An offset from the pixel's centre, in pixels, for two numbers in [0, 1).
     pub fn sample(self, [u, v]: [f32; 2]) -> (f64, f64) {
         (self.offset(u), self.offset(v))
@@ -83,7 +91,7 @@ mod tests {
         let (mut inside, mut square) = (0.0, 0.0);
         for i in 0..n {
             let (x, _) = filter.sample([(i as f32 + 0.5) / n as f32, 0.0]);
-            assert!(x.abs() <= 1.5);
+            assert!(x.abs() <= filter.radius());
             inside += f64::from(u8::from(x.abs() < 0.5)) / f64::from(n);
             square += x * x / f64::from(n);
         }

@@ -51,7 +51,7 @@ pub struct Camera {
 /// assert_eq!(frame.ray(100.0, 50.0, None).direction, Vec3::NEG_Z);
 /// assert!((frame.ray(100.0, 0.0, None).direction - Vec3::new(0.0, 1.0, -1.0).normalize()).length() < 1e-6);
 /// ```
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CameraFrame {
     origin: DVec3,
     right: DVec3,

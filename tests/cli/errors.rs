@@ -257,7 +257,7 @@ const USAGE: &[(&[&str], &str)] = &[
     (&["render", "BLOCK", "--threads=100000"], "--threads"),
     (
         &["render", "BLOCK", "--accel=octree"],
-        "bvh2, cwbvh, linear",
+        "bvh2, cwbvh, extents, linear",
     ),
     (&["render", "BLOCK", "--integrator=path"], "--integrator"),
     (&["render", "BLOCK", "--ao-distance=0"], "--ao-distance"),

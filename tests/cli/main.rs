@@ -3,6 +3,7 @@
 mod camera;
 mod compare;
 mod errors;
+mod extents;
 mod outputs;
 mod pipes;
 mod reports;

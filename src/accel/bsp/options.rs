@@ -3,9 +3,10 @@
 use std::fmt;
 
 use super::wide::Instructions;
+use crate::accel::extents::{ExtentChoice, ExtentSphere, MeshAccelerator, View};
 
 /// How an accelerator is built, for those that leave a choice.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct BuildOptions {
     /// For the wide tree: time spent on the build against speed of the answers.
     pub quality: BspQuality,
@@ -19,6 +20,14 @@ pub struct BuildOptions {
     pub merges_coplanar: bool,
     /// Seed of the polygon tree's random choices.
     pub seed: u64,
+    /// For the loop over objects: which extents are tested.
+    pub extents: ExtentChoice,
+    /// For the loop over objects: which sphere an object gets.
+    pub sphere: ExtentSphere,
+    /// For the loop over objects: what finds the hits within one.
+    pub mesh: MeshAccelerator,
+    /// For the loop over objects: where eye rays come from. Rays that know a pixel must be of this camera. Without it there are no screen extents.
+    pub view: Option<View>,
 }
 
 /// Time spent on the wide tree's build against speed of the answers.

@@ -1,0 +1,195 @@
+//! What every combination of extents of an object would cost on some rays: counted once, then computed.
+//!
+//! Each ray is tested against all extents of an object and gets its full test. Since no extent changes an answer, the full tests are the same for all
+//! combinations, and the costs of objects do not depend on one another.
+
+use super::choice::{ExtentSet, ExtentTest};
+use super::cost::{CostTable, speed_ratio};
+
+/// How many sets of tests there are.
+const SETS: usize = 1 << ExtentTest::COUNT;
+
+/// What some rays did at one object.
+#[derive(Clone, Debug)]
+pub struct ObjectStudy {
+    /// Tests that the object has.
+    pub(super) available: ExtentSet,
+    /// Whether a ray that gets the full test is transformed anyway.
+    pub(super) is_tested_in_object: bool,
+    /// By the set of tests that admitted them: rays, and what their full tests cost together.
+    pub(super) rays: [u64; SETS],
+    pub(super) full: [f64; SETS],
+    /// Rays that hit the object.
+    pub hits: u64,
+    /// By test: planes of all rays together.
+    pub(super) planes: [u64; ExtentTest::COUNT],
+    pub(super) table: CostTable,
+}
+
+impl ObjectStudy {
+    pub(super) fn new(available: ExtentSet, is_tested_in_object: bool, table: CostTable) -> Self {
+        Self {
+            available,
+            is_tested_in_object,
+            rays: [0; SETS],
+            full: [0.0; SETS],
+            hits: 0,
+            planes: [0; ExtentTest::COUNT],
+            table,
+        }
+    }
+
+    /// Adds what the rays of another study did at the same object.
+    pub fn add(&mut self, other: &Self) {
+        for set in 0..SETS {
+            self.rays[set] += other.rays[set];
+            self.full[set] += other.full[set];
+        }
+        for (sum, planes) in self.planes.iter_mut().zip(&other.planes) {
+            *sum += planes;
+        }
+        self.hits += other.hits;
+    }
+
+    /// Rays that were looked at.
+    pub fn rays(&self) -> u64 {
+        self.rays.iter().sum()
+    }
+
+    /// Whether the object has the extent.
+    pub fn has(&self, test: ExtentTest) -> bool {
+        self.available.has(test)
+    }
+
+    /// Rays that reach an extent.
+    pub fn admitted(&self, test: ExtentTest) -> u64 {
+        let sets = ExtentSet::all().filter(|s| s.has(test));
+        sets.map(|s| self.rays[s.number()]).sum()
+    }
+
+    /// The lecture's `f`: the share of rays that reach an extent; 0 without rays.
+    pub fn share(&self, test: ExtentTest) -> f64 {
+        self.admitted(test) as f64 / self.rays().max(1) as f64
+    }
+
+    /// The lecture's `T`: the mean cost of a test, with the transformation where that is for this test only.
+    pub fn test_cost(&self, test: ExtentTest) -> f64 {
+        let planes = self.planes[test.index()] as f64 / self.rays().max(1) as f64;
+        let transform = if test.is_in_object_space() {
+            self.table.transform
+        } else {
+            0.0
+        };
+        transform + self.table.test(test, planes)
+    }
+
+    /// The lecture's `m`: the mean cost of the full test in tests of the extent.
+    pub fn full_cost(&self, test: ExtentTest) -> f64 {
+        self.cost(ExtentSet::NONE) / self.test_cost(test)
+    }
+
+    /// The mean cost of a ray with these tests, and with the full test for those that pass them all.
+    pub fn cost(&self, set: ExtentSet) -> f64 {
+        let mut total = 0.0;
+        for admitted in ExtentSet::all() {
+            let rays = self.rays[admitted.number()] as f64;
+            let (mut is_transformed, mut passes) = (false, true);
+            for test in set.tests() {
+                if test.is_in_object_space() && !is_transformed {
+                    is_transformed = true;
+                    total += rays * self.table.transform;
+                }
+                let planes = self.planes[test.index()] as f64 / self.rays().max(1) as f64;
+                total += rays * self.table.test(test, planes);
+                if !admitted.has(test) {
+                    passes = false;
+                    break;
+                }
+            }
+            if passes {
+                total += self.full[admitted.number()];
+                if self.is_tested_in_object && !is_transformed {
+                    total += rays * self.table.bare_transform;
+                }
+            }
+        }
+        total / self.rays().max(1) as f64
+    }
+
+    /// The lecture's prediction for one extent, from `m` and `f` alone.
+    pub fn predicted(&self, test: ExtentTest) -> f64 {
+        speed_ratio(self.full_cost(test), self.share(test))
+    }
+
+    /// How much less the rays cost with these tests than without, counted.
+    pub fn gain(&self, set: ExtentSet) -> f64 {
+        let with = self.cost(set);
+        if with > 0.0 {
+            self.cost(ExtentSet::NONE) / with
+        } else {
+            1.0
+        }
+    }
+
+    /// The combination of least cost; of equals the one with fewer tests. Tests that the object has not are left out.
+    pub fn best(&self) -> ExtentSet {
+        let usable = ExtentSet::all().filter(|s| s.tests().all(|t| self.available.has(t)));
+        let key = |s: &ExtentSet| (self.cost(*s), s.len());
+        let best = usable.min_by(|a, b| {
+            let ((a, few), (b, many)) = (key(a), key(b));
+            a.total_cmp(&b).then(few.cmp(&many))
+        });
+        best.unwrap_or_default()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::accel::extents::MeshAccelerator;
+
+    fn study(full: f64, in_sphere: u64, in_box: u64) -> ObjectStudy {
+        let all = ExtentSet::all().last().unwrap_or_default();
+        let table = CostTable::of(MeshAccelerator::Linear);
+        let mut study = ObjectStudy::new(all, false, table);
+        let sphere = ExtentSet::NONE.with(ExtentTest::SphereWorld);
+        let both = sphere.with(ExtentTest::BoxWorld);
+        study.rays[0] = 1000 - in_sphere;
+        study.rays[sphere.number()] = in_sphere - in_box;
+        study.rays[both.number()] = in_box;
+        for set in 0..SETS {
+            study.full[set] = full * study.rays[set] as f64;
+        }
+        study.planes[ExtentTest::BoxWorld.index()] = 3000;
+        study
+    }
+
+    #[test]
+    fn where_the_full_test_costs_all_rays_the_same_the_lecture_is_right() {
+        let study = study(96.0, 25, 10);
+        let test = ExtentTest::SphereWorld;
+        // m = 20, f = 1/40.
+        assert!((study.full_cost(test) - 20.0).abs() < 1e-12);
+        assert!((study.share(test) - 1.0 / 40.0).abs() < 1e-12);
+        assert!((study.predicted(test) - 40.0 / 3.0).abs() < 1e-9);
+        let alone = ExtentSet::NONE.with(test);
+        assert!((study.gain(alone) - study.predicted(test)).abs() < 1e-9);
+    }
+
+    #[test]
+    fn cheap_objects_get_no_extent_and_expensive_ones_several() {
+        let has = [ExtentTest::SphereWorld, ExtentTest::BoxWorld];
+        let best = |mut study: ObjectStudy| {
+            study.available = has.into_iter().collect();
+            study.best()
+        };
+        // Two triangles, met by nearly all rays that reach the sphere.
+        assert!(best(study(3.0, 900, 900)).is_empty());
+        assert!(best(study(1e6, 900, 100)).has(ExtentTest::BoxWorld));
+        // Where the box rejects no more than the sphere, it is not asked.
+        let alone = best(study(96.0, 25, 25));
+        assert_eq!(alone, ExtentSet::NONE.with(ExtentTest::SphereWorld));
+        // Tests that the object has not are never chosen, even where they would admit nobody.
+        assert!(!best(study(1e6, 900, 100)).has(ExtentTest::Screen));
+    }
+}

@@ -1,0 +1,268 @@
+//! The ladder: what each step from the lecture's plain loop to trees gives, for eye, shadow and mirror rays, counted and timed.
+//!
+//! The lecture says that projection extents give eye rays "a dramatic gain", and that extents are "of little service for secondary rays": this puts numbers to it.
+
+use super::measure::{self, Speed};
+use super::view_rays::{Query, RayPurpose, RaySet, ViewOptions, view_rays};
+use crate::accel::extents::{
+    ExtentChoice, ExtentSet, ExtentTally, ExtentTest, ExtentsLoop, MeshAccelerator, ObjectTally,
+    View,
+};
+use crate::accel::{Accelerator, AcceleratorKind, BuildOptions};
+use crate::geometry::{Ray, RayOrigin};
+use crate::render::{SkyMode, Stage, Surface};
+use crate::scene::Scene;
+use glam::Vec3;
+
+/// What is measured, and how.
+#[derive(Clone, Copy, Debug)]
+pub struct LadderOptions {
+    /// How structures are built. The mesh's structure is that of the lower steps.
+    pub build: BuildOptions,
+    /// The camera of the eye rays.
+    pub view: View,
+    /// Most rays of each kind.
+    pub most_rays: usize,
+    /// How often each step is timed.
+    pub repetitions: usize,
+    /// Changes every random number.
+    pub seed: u32,
+    /// The scene's upward axis.
+    pub up: Vec3,
+}
+
+/// One step on the rays of one kind.
+#[derive(Clone, Debug)]
+pub struct StepOnRays {
+    /// How fast; ratios are to the first step. `None` without rays.
+    pub speed: Option<Speed>,
+    /// Counted cost of a ray, in the unit of [`CostTable`](crate::accel::extents::CostTable); `None` for structures without objects.
+    pub cost: Option<f64>,
+    /// The outcomes at all objects together; `None` for structures without objects.
+    pub tally: Option<ObjectTally>,
+}
+
+/// A step of the ladder.
+#[derive(Clone, Debug)]
+pub struct LadderStep {
+    /// What it is.
+    pub name: String,
+    /// For each kind of rays, in the order of [`Ladder::kinds`].
+    pub rays: Vec<StepOnRays>,
+}
+
+/// The ladder of a scene.
+#[derive(Clone, Debug)]
+pub struct Ladder {
+    /// Kinds of rays, and how many there are of each.
+    pub kinds: Vec<(&'static str, usize)>,
+    /// From no extents at all to a tree alone.
+    pub steps: Vec<LadderStep>,
+}
+
+/// A structure of a step, which may be a loop over objects.
+enum Built {
+    Loop(ExtentsLoop),
+    Whole(Box<dyn Accelerator>),
+}
+
+impl Built {
+    fn accelerator(&self) -> &dyn Accelerator {
+        match self {
+            Self::Loop(objects) => objects,
+            Self::Whole(accelerator) => &**accelerator,
+        }
+    }
+}
+
+impl Ladder {
+    /// Climbs the ladder. Builds with the threads of the rayon pool in which it is called; rays are timed on one thread.
+    pub fn of(scene: &Scene, options: &LadderOptions) -> Self {
+        let lookup = AcceleratorKind::Bsp.build_with(scene, &options.build);
+        let sets = ray_sets(scene, &*lookup, options);
+        let steps = steps(options.build.mesh);
+        let build = |(_, extents, mesh): &(String, Option<ExtentChoice>, Mesh)| {
+            let with = |mesh, extents| BuildOptions {
+                mesh,
+                extents,
+                view: Some(options.view),
+                ..options.build
+            };
+            match (extents, mesh) {
+                (Some(extents), Mesh::Within(mesh)) => {
+                    Built::Loop(ExtentsLoop::build(scene, &with(*mesh, *extents)))
+                }
+                (_, Mesh::Alone(kind)) => Built::Whole(kind.build_with(scene, &options.build)),
+                (None, Mesh::Within(_)) => Built::Whole(AcceleratorKind::Linear.build(scene)),
+            }
+        };
+        let built: Vec<Built> = steps.iter().map(build).collect();
+        let accelerators: Vec<&dyn Accelerator> = built.iter().map(Built::accelerator).collect();
+        let mut found: Vec<LadderStep> = steps
+            .into_iter()
+            .map(|(name, ..)| LadderStep {
+                name,
+                rays: Vec::new(),
+            })
+            .collect();
+        for (_, set) in &sets {
+            let speeds = measure::speeds_in_turns(&accelerators, set, options.repetitions);
+            for (number, step) in found.iter_mut().enumerate() {
+                let counted = match &built[number] {
+                    Built::Loop(objects) => Some(count(objects, set)),
+                    Built::Whole(_) => None,
+                };
+                step.rays.push(StepOnRays {
+                    speed: speeds.as_ref().map(|s| s[number]),
+                    cost: counted.map(|(cost, _)| cost),
+                    tally: counted.map(|(_, tally)| tally),
+                });
+            }
+        }
+        Self {
+            kinds: sets.iter().map(|(n, s)| (*n, s.rays.len())).collect(),
+            steps: found,
+        }
+    }
+}
+
+/// Where the triangles are.
+enum Mesh {
+    /// Under such a structure within each object.
+    Within(MeshAccelerator),
+    /// Under such a structure for the whole scene.
+    Alone(AcceleratorKind),
+}
+
+/// The steps: name, extents of a loop over objects, and where the triangles are.
+fn steps(mesh: MeshAccelerator) -> Vec<(String, Option<ExtentChoice>, Mesh)> {
+    use ExtentTest::{BoxWorld, Screen, SphereWorld};
+    let (sphere, both) = (
+        ExtentSet::NONE.with(SphereWorld),
+        ExtentSet::NONE.with(SphereWorld).with(BoxWorld),
+    );
+    let sets = [
+        ("no extents", ExtentSet::NONE),
+        ("sphere", sphere),
+        ("box", ExtentSet::NONE.with(BoxWorld)),
+        ("sphere and box", both),
+        ("screen, sphere and box", both.with(Screen)),
+        (
+            "screen and box",
+            ExtentSet::NONE.with(BoxWorld).with(Screen),
+        ),
+    ];
+    let mut steps: Vec<_> = sets
+        .into_iter()
+        .map(|(name, set)| {
+            let choice = Some(ExtentChoice::Fixed(set));
+            (
+                format!("{name}, {mesh} in objects"),
+                choice,
+                Mesh::Within(mesh),
+            )
+        })
+        .collect();
+    for within in [mesh, MeshAccelerator::Bvh2, MeshAccelerator::Bsp] {
+        let name = format!("auto, {within} in objects");
+        if steps.iter().all(|(other, ..)| *other != name) {
+            steps.push((name, Some(ExtentChoice::Auto), Mesh::Within(within)));
+        }
+    }
+    for kind in [AcceleratorKind::Bvh2, AcceleratorKind::Bsp] {
+        steps.push((format!("{kind} alone"), None, Mesh::Alone(kind)));
+    }
+    steps
+}
+
+/// Counted cost of a ray, and the outcomes.
+fn count(objects: &ExtentsLoop, set: &RaySet) -> (f64, ObjectTally) {
+    let mut tally = ExtentTally::new(objects.objects().len());
+    for ray in &set.rays {
+        match set.purpose.query() {
+            Query::Closest => {
+                objects.closest_tallied(ray, &mut tally);
+            }
+            Query::Any => {
+                objects.any_tallied(ray, &mut tally);
+            }
+        }
+    }
+    let cost = objects.tallied_cost(&tally);
+    (cost / set.rays.len().max(1) as f64, tally.total())
+}
+
+/// Eye, shadow and mirror rays of the view.
+pub fn ray_sets(
+    scene: &Scene,
+    accelerator: &dyn Accelerator,
+    options: &LadderOptions,
+) -> [(&'static str, RaySet); 3] {
+    let stage = Stage::new(scene, accelerator, options.up, SkyMode::Auto);
+    let view = ViewOptions {
+        size: options.view.size,
+        most_rays: options.most_rays,
+        seed: options.seed,
+    };
+    let [eye, shadow, ..] = view_rays(&stage, &options.view.camera, &view);
+    let mirrored = eye.rays.iter().filter_map(|ray| mirror_ray(&stage, ray));
+    let mirror = RaySet {
+        purpose: RayPurpose::Bounce,
+        rays: mirrored.collect(),
+    };
+    [("eye", eye), ("shadow", shadow), ("mirror", mirror)]
+}
+
+/// The ray that a mirror in the place of what is met would send on.
+fn mirror_ray(stage: &Stage, ray: &Ray) -> Option<Ray> {
+    let surface = Surface::at(stage, ray, stage.accelerator.closest_hit(ray)?);
+    let normal = surface.geometric_normal;
+    let direction = ray.direction - normal * (2.0 * ray.direction.dot(normal));
+    let source = RayOrigin {
+        depth: ray.source.depth + 1,
+        pixel: None,
+    };
+    let onward = Ray {
+        source,
+        ..Ray::new(surface.origin_towards(direction), direction)
+    };
+    onward.is_traceable().then_some(onward)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn extents_reject_most_rays_and_screens_only_eye_rays() {
+        let scene = crate::import::load(&["models/lecture-objects.gltf".into()]).unwrap();
+        let size = (64, 36);
+        let options = LadderOptions {
+            build: BuildOptions {
+                mesh: MeshAccelerator::Bsp,
+                ..BuildOptions::default()
+            },
+            view: View {
+                camera: scene.cameras[0].frame(size.0, size.1).unwrap(),
+                size,
+                filter_radius: 0.0,
+            },
+            most_rays: 600,
+            repetitions: 1,
+            seed: 0,
+            up: Vec3::Y,
+        };
+        let ladder = Ladder::of(&scene, &options);
+        let names: Vec<_> = ladder.kinds.iter().map(|(name, _)| *name).collect();
+        assert_eq!(names, ["eye", "shadow", "mirror"]);
+        let tally = |step: usize, kind: usize| ladder.steps[step].rays[kind].tally.unwrap();
+        let cost = |step: usize, kind: usize| ladder.steps[step].rays[kind].cost.unwrap();
+        // With a sphere and a box, fewer than a third of the full tests are left.
+        assert!(3 * tally(3, 0).full_tests < tally(0, 0).full_tests);
+        assert_eq!(tally(3, 0).hits, tally(0, 0).hits);
+        let screen = |kind| tally(4, kind).tests[ExtentTest::Screen.index()];
+        assert!(screen(0).rejected > 0);
+        assert_eq!((screen(1).rejected, screen(2).rejected), (0, 0));
+        assert!(cost(4, 0) < cost(3, 0) && cost(4, 2) > cost(3, 2));
+    }
+}
