@@ -21,6 +21,8 @@ mod table;
 mod together;
 mod together_any;
 mod together_closest;
+#[cfg(target_arch = "x86_64")]
+mod vectors;
 
 pub(super) use parts::parts;
 pub(super) use single::MOST_DEPTH;
@@ -168,9 +170,12 @@ impl<'a> Tree<'a> {
 
 /// Calls a function compiled for the machine's instructions.
 macro_rules! dispatch {
-    ($instructions:expr, $function:ident($($argument:expr),*)) => {
+    ($instructions:expr, $module:ident::$function:ident $(<$counter:ty>)? ($($argument:expr),*)) => {
         match $instructions {
-            Instructions::Portable => single::$function::<portable::Lanes, _>($($argument),*),
+            // SAFETY: every machine has them.
+            Instructions::Portable => unsafe {
+                $module::$function::<portable::Lanes $(, $counter)?>($($argument),*)
+            },
             #[cfg(target_arch = "x86_64")]
             // SAFETY: `Instructions::available` found them on this machine.
             Instructions::Avx2 => unsafe { avx2::$function($($argument),*) },
@@ -190,7 +195,7 @@ pub(super) fn closest<C: Counter>(
     passed: Passed,
     counter: &mut C,
 ) -> Found {
-    dispatch!(instructions, closest(tree, ray, passed, counter))
+    dispatch!(instructions, single::closest<C>(tree, ray, passed, counter))
 }
 
 /// Whether anything is hit.
@@ -201,7 +206,7 @@ pub(super) fn any<C: Counter>(
     ray: &Ray,
     counter: &mut C,
 ) -> Occluded {
-    dispatch!(instructions, any(tree, ray, counter))
+    dispatch!(instructions, single::any<C>(tree, ray, counter))
 }
 
 /// Calls `visit` with the numbers in the leaves that the ray meets, see [`Store::numbers`], within the limit of `t` that the last call
@@ -213,7 +218,7 @@ pub(super) fn visit<C: Counter>(
     counter: &mut C,
     visit: &mut dyn FnMut(u32, &mut C) -> f32,
 ) -> bool {
-    dispatch!(instructions, visit(tree, ray, counter, visit))
+    dispatch!(instructions, single::visit<C>(tree, ray, counter, visit))
 }
 
 /// The nearest hits of up to [`GROUP`] rays, one at least. A bit for each ray that has no answer and must walk alone.
@@ -223,17 +228,10 @@ pub(super) fn closest_together(
     rays: &[Ray],
     found: &mut [Found],
 ) -> u64 {
-    match instructions {
-        Instructions::Portable => {
-            together_closest::closest_together::<portable::Lanes>(tree, rays, found)
-        }
-        #[cfg(target_arch = "x86_64")]
-        // SAFETY: `Instructions::available` found them on this machine.
-        Instructions::Avx2 => unsafe { avx2::closest_together(tree, rays, found) },
-        #[cfg(target_arch = "x86_64")]
-        // SAFETY: `Instructions::available` found them on this machine.
-        Instructions::Avx512 => unsafe { avx512::closest_together(tree, rays, found) },
-    }
+    dispatch!(
+        instructions,
+        together_closest::closest_together(tree, rays, found)
+    )
 }
 
 /// Whether anything is hit, for up to [`GROUP`] rays, one at least. A bit for each ray that has no answer and must walk alone.
@@ -243,13 +241,5 @@ pub(super) fn any_together(
     rays: &[Ray],
     hits: &mut [bool],
 ) -> u64 {
-    match instructions {
-        Instructions::Portable => together_any::any_together::<portable::Lanes>(tree, rays, hits),
-        #[cfg(target_arch = "x86_64")]
-        // SAFETY: `Instructions::available` found them on this machine.
-        Instructions::Avx2 => unsafe { avx2::any_together(tree, rays, hits) },
-        #[cfg(target_arch = "x86_64")]
-        // SAFETY: `Instructions::available` found them on this machine.
-        Instructions::Avx512 => unsafe { avx512::any_together(tree, rays, hits) },
-    }
+    dispatch!(instructions, together_any::any_together(tree, rays, hits))
 }

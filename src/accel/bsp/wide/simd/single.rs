@@ -138,8 +138,11 @@ impl Stack {
 }
 
 /// The nearest hit, the least number first among equals.
+///
+/// # Safety
+/// As for [`Lanes`].
 #[inline(always)]
-pub(super) fn closest<L: Lanes, C: Counter>(
+pub(super) unsafe fn closest<L: Lanes, C: Counter>(
     tree: Tree<'_>,
     ray: &Ray,
     passed: Passed,
@@ -153,7 +156,7 @@ pub(super) fn closest<L: Lanes, C: Counter>(
     let mut last = ray.interval.max * walk.per_t;
     let mut stack = Stack::new();
     let mut current = tree.root;
-    // SAFETY: the machine has the instructions, by the promise of whoever calls with these lanes; words of the tree name its nodes
+    // SAFETY: the caller's promise; words of the tree name its nodes
     // and blocks; the stack is as high as the tree's depth allows, and read only where it was written.
     unsafe {
         let node_ray = NodeRay::<L>::new(&walk, ray.interval.min * walk.per_t);
@@ -205,8 +208,11 @@ pub(super) fn closest<L: Lanes, C: Counter>(
 
 /// Calls `visit` with the numbers in the leaves that the ray meets, within the limit of `t` that the last call returned. `false` if the ray is
 /// not for the walk.
+///
+/// # Safety
+/// As for [`Lanes`].
 #[inline(always)]
-pub(super) fn visit<L: Lanes, C: Counter>(
+pub(super) unsafe fn visit<L: Lanes, C: Counter>(
     tree: Tree<'_>,
     ray: &Ray,
     counter: &mut C,
@@ -273,8 +279,15 @@ pub(super) unsafe fn meets_any(
 }
 
 /// Whether anything is hit.
+///
+/// # Safety
+/// As for [`Lanes`].
 #[inline(always)]
-pub(super) fn any<L: Lanes, C: Counter>(tree: Tree<'_>, ray: &Ray, counter: &mut C) -> Occluded {
+pub(super) unsafe fn any<L: Lanes, C: Counter>(
+    tree: Tree<'_>,
+    ray: &Ray,
+    counter: &mut C,
+) -> Occluded {
     let Some(walk) = WalkRay::new(ray, tree.reach) else {
         return Occluded::Unusual;
     };

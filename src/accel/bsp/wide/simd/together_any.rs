@@ -34,10 +34,17 @@ impl<L: Lanes> Visit<L> for Any<'_> {
 }
 
 /// Whether anything is hit, for up to [`GROUP`] rays, one at least. A bit for each ray that has no answer and must walk alone.
+///
+/// # Safety
+/// As for [`Lanes`].
 #[inline(always)]
-pub(super) fn any_together<L: Lanes>(tree: Tree<'_>, rays: &[Ray], hits: &mut [bool]) -> u64 {
+pub(super) unsafe fn any_together<L: Lanes>(
+    tree: Tree<'_>,
+    rays: &[Ray],
+    hits: &mut [bool],
+) -> u64 {
     let mut any = Any { tree, rays, hits };
-    // SAFETY: the machine has the instructions, by the promise of whoever calls with these lanes.
+    // SAFETY: the caller's promise.
     unsafe { visit_groups::<L>(rays, tree.reach.largest, &mut any) }
 }
 

@@ -27,10 +27,17 @@ impl<L: Lanes> Visit<L> for Closest<'_> {
 }
 
 /// The nearest hits of up to [`GROUP`](super::table::GROUP) rays, one at least. A bit for each ray that has no answer and must walk alone.
+///
+/// # Safety
+/// As for [`Lanes`].
 #[inline(always)]
-pub(super) fn closest_together<L: Lanes>(tree: Tree<'_>, rays: &[Ray], found: &mut [Found]) -> u64 {
+pub(super) unsafe fn closest_together<L: Lanes>(
+    tree: Tree<'_>,
+    rays: &[Ray],
+    found: &mut [Found],
+) -> u64 {
     let mut closest = Closest { tree, rays, found };
-    // SAFETY: the machine has the instructions, by the promise of whoever calls with these lanes.
+    // SAFETY: the caller's promise.
     unsafe { visit_groups::<L>(rays, tree.reach.largest, &mut closest) }
 }
 
