@@ -77,11 +77,18 @@ pub(super) fn describe(trees: &SceneTrees) -> String {
         0 => String::new(),
         fragments => format!(", {fragments} of them in undivided cells"),
     };
+    let counted = |n: u64, word: &str| format!("{n} {word}{}", if n == 1 { "" } else { "s" });
+    let (fragments, polygons) = (count(|s| s.fragments), count(|s| s.polygons));
+    let depth = match trees.depth().saturating_sub(1) {
+        0 => "depth 0 everywhere".to_owned(),
+        most => {
+            format!("depth from 0 (violet) to {most} (yellow), in equal steps for each doubling")
+        }
+    };
     format!(
-        "polygon BSP: {} fragments of {} polygons{undivided}; depth from 0 (violet) to {} (yellow), in equal steps for each doubling",
-        count(|s| s.fragments),
-        count(|s| s.polygons),
-        trees.depth().saturating_sub(1)
+        "polygon BSP: {} of {}{undivided}; {depth}",
+        counted(fragments, "fragment"),
+        counted(polygons, "polygon"),
     )
 }
 

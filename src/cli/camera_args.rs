@@ -2,7 +2,8 @@
 
 use std::fmt::Write;
 
-use anyhow::bail;
+use anyhow::{Context, bail};
+use bspray::accel::extents::View;
 use bspray::render::{CameraWishes, frame_scene};
 use bspray::scene::{Camera, Projection, Scene};
 use clap::Args;
@@ -133,6 +134,20 @@ pub(super) fn as_flags(camera: &Camera, scene: &Scene, up: Vec3) -> String {
         let _ = write!(flags, " --up {axis}");
     }
     flags
+}
+
+/// What a camera shows in a picture of this size.
+///
+/// # Errors
+/// The camera is impossible.
+pub(super) fn view(camera: &Camera, size: (u32, u32), filter_radius: f64) -> anyhow::Result<View> {
+    Ok(View {
+        camera: camera
+            .frame(size.0, size.1)
+            .context("the camera is impossible")?,
+        size,
+        filter_radius,
+    })
 }
 
 #[cfg(test)]

@@ -4,7 +4,6 @@ use std::path::PathBuf;
 
 use anyhow::{Context, bail};
 use bspray::accel::AcceleratorKind;
-use bspray::accel::extents::View;
 use bspray::analysis::{CompareOptions, Comparison, Phase};
 use clap::Args;
 
@@ -62,18 +61,10 @@ pub(super) fn run(args: &CompareArgs) -> anyhow::Result<Done> {
     let mut options = options(args)?;
     let scene = bspray::import::load(&args.models)?;
     if !args.quiet {
-        output::tell("note", &scene.notes);
-        output::tell("dropped", &scene.defects);
+        output::tell_of(&scene);
     }
     let camera = args.camera.choose(&scene, args.resolution)?;
-    let frame = camera
-        .frame(args.resolution.0, args.resolution.1)
-        .context("the camera is impossible")?;
-    let view = View {
-        camera: frame,
-        size: args.resolution,
-        filter_radius: 0.0,
-    };
+    let view = camera_args::view(&camera, args.resolution, 0.0)?;
     options.build = args.extents.add_to(options.build, view);
     let camera_flags = camera_args::as_flags(&camera, &scene, args.camera.up());
     let pool = rayon::ThreadPoolBuilder::new()
@@ -88,7 +79,7 @@ pub(super) fn run(args: &CompareArgs) -> anyhow::Result<Done> {
             });
         }
     };
-    let comparison = pool.install(|| Comparison::of(&scene, &frame, &options, &watch));
+    let comparison = pool.install(|| Comparison::of(&scene, &view.camera, &options, &watch));
     let report = CompareReport {
         models: &args.models,
         scene: &scene,

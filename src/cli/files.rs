@@ -50,13 +50,7 @@ pub(super) fn outputs(
         if !is_exr {
             ldr::LdrFormat::of_path(&path).map_err(|e| UsageError(e.to_string()))?;
         }
-        if outputs.iter().any(|(other, _)| *other == path) {
-            bail!(UsageError(format!(
-                "{}: is named twice as an output",
-                path.display()
-            )));
-        }
-        check_writable(&path)?;
+        check_writable(&path, outputs.iter().map(|(other, _)| other.as_path()))?;
         outputs.push((
             path,
             if is_exr {
@@ -69,8 +63,25 @@ pub(super) fn outputs(
     Ok(outputs)
 }
 
-/// Finds out before long work what would keep its result from being written.
-pub(super) fn check_writable(path: &Path) -> anyhow::Result<()> {
+/// Where the path leads, whether there is a file or not.
+fn place(path: &Path) -> Option<PathBuf> {
+    path.canonicalize().ok().or_else(|| {
+        let folder = path.parent().filter(|p| !p.as_os_str().is_empty());
+        let folder = folder.unwrap_or(Path::new(".")).canonicalize().ok()?;
+        Some(folder.join(path.file_name()?))
+    })
+}
+
+/// Finds out before long work what would keep its result from being written; `others` are the outputs that were named before.
+pub(super) fn check_writable<'a>(
+    path: &Path,
+    mut others: impl Iterator<Item = &'a Path>,
+) -> anyhow::Result<()> {
+    let is_file = !path.exists() || path.is_file();
+    if others.any(|other| other == path || (is_file && place(other) == place(path))) {
+        let cause = format!("{}: is named twice as an output", path.display());
+        bail!(UsageError(cause));
+    }
     if path.is_dir() {
         bail!("{}: is a directory", path.display());
     }

@@ -61,12 +61,8 @@ impl InspectBspArgs {
 
     /// Finds out before the models are read what would keep the files from being written.
     pub(super) fn check_files(&self) -> anyhow::Result<()> {
-        for (number, (option, path)) in self.files().enumerate() {
-            if self.files().take(number).any(|(_, other)| other == path) {
-                let cause = format!("{}: is named twice as an output", path.display());
-                bail!(UsageError(format!("{option}: {cause}")));
-            }
-            files::check_writable(path)?;
+        for (number, (_, path)) in self.files().enumerate() {
+            files::check_writable(path, self.files().take(number).map(|(_, other)| other))?;
         }
         Ok(())
     }

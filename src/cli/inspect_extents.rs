@@ -2,10 +2,9 @@
 
 use std::fmt::Write;
 
-use anyhow::Context;
 use bspray::accel::extents::{
     ExtentChoice, ExtentObject, ExtentSet, ExtentShapes, ExtentTest, ExtentsLoop, MeshAccelerator,
-    ObjectStudy, View,
+    ObjectStudy,
 };
 use bspray::accel::{AcceleratorKind, BuildOptions};
 use bspray::analysis::{LadderOptions, Query, ray_sets};
@@ -15,7 +14,7 @@ use clap::Args;
 use glam::Vec3;
 use serde_json::{Value, json};
 
-use super::{Done, extent_args, output, values};
+use super::{Done, camera_args, extent_args, output, values};
 
 /// Arguments for the table of extents.
 #[derive(Args, Debug)]
@@ -40,14 +39,7 @@ pub(super) fn run(scene: &Scene, args: &InspectExtentArgs, as_json: bool) -> any
     let aspect = f64::from(width) / f64::from(height);
     let framed = || frame_scene(scene, &CameraWishes::default(), Vec3::Y, aspect);
     let camera = scene.cameras.first().cloned().unwrap_or_else(framed);
-    let frame = camera
-        .frame(width, height)
-        .context("the camera is impossible")?;
-    let view = View {
-        camera: frame,
-        size: args.resolution,
-        filter_radius: 0.0,
-    };
+    let view = camera_args::view(&camera, args.resolution, 0.0)?;
     let build = BuildOptions {
         extents: ExtentChoice::Auto,
         mesh: args.mesh_accel,

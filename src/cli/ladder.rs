@@ -3,8 +3,7 @@
 use std::fmt::Write;
 use std::path::PathBuf;
 
-use anyhow::Context;
-use bspray::accel::extents::{ExtentTest, MeshAccelerator, ObjectTally, View};
+use bspray::accel::extents::{ExtentTest, MeshAccelerator, ObjectTally};
 use bspray::analysis::{Ladder, LadderOptions, StepOnRays};
 use clap::Args;
 use serde_json::{Value, json};
@@ -50,24 +49,17 @@ pub(super) struct LadderArgs {
 pub(super) fn run(args: &LadderArgs) -> anyhow::Result<Done> {
     let scene = bspray::import::load(&args.models)?;
     if !args.quiet {
-        output::tell("note", &scene.notes);
-        output::tell("dropped", &scene.defects);
+        output::tell_of(&scene);
     }
     let camera = args.camera.choose(&scene, args.resolution)?;
-    let frame = camera
-        .frame(args.resolution.0, args.resolution.1)
-        .context("the camera is impossible")?;
+    let view = camera_args::view(&camera, args.resolution, 0.0)?;
     let mut build = args.bsp.options(args.seed);
     build.mesh = args.mesh_accel;
     let ladder = Ladder::of(
         &scene,
         &LadderOptions {
             build,
-            view: View {
-                camera: frame,
-                size: args.resolution,
-                filter_radius: 0.0,
-            },
+            view,
             most_rays: args.rays as usize,
             repetitions: args.repetitions as usize,
             seed: args.seed,

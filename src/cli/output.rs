@@ -2,6 +2,8 @@
 
 use std::io::{ErrorKind, Write};
 
+use bspray::scene::Scene;
+
 /// Writes a result to standard output.
 ///
 /// # Errors
@@ -29,8 +31,14 @@ pub(super) fn message(text: &str) {
 /// Notes or defects that are told one by one; `inspect` lists all.
 const TOLD: usize = 12;
 
+/// Tells what was noticed while the scene was read, and what of it was dropped.
+pub(super) fn tell_of(scene: &Scene) {
+    tell("note", &scene.notes);
+    tell("dropped", &scene.defects);
+}
+
 /// Tells notes or defects, a line each, as many as a reader wants.
-pub(super) fn tell(kind: &str, messages: &[impl std::fmt::Display]) {
+fn tell(kind: &str, messages: &[impl std::fmt::Display]) {
     messages
         .iter()
         .take(TOLD)

@@ -6,7 +6,6 @@ use std::time::Instant;
 use anyhow::{Context, bail};
 use bspray::accel::AcceleratorKind;
 use bspray::accel::bsp::polygon::SceneTrees;
-use bspray::accel::extents::View;
 use bspray::picture::{Raster, RasterPixels, ToneMap, exposure_factor, exr, ldr, srgb};
 use bspray::render::{
     self, Film, Integrator, PixelFilter, PixelRect, RenderOptions, SkyMode, Stage,
@@ -159,13 +158,15 @@ pub(super) fn run(args: &RenderArgs) -> anyhow::Result<Done> {
     let load = started.elapsed().as_secs_f64();
     files::spare_inputs(outputs.iter().map(|(path, _)| path.as_path()), &scene)?;
     if !args.quiet {
-        output::tell("note", &scene.notes);
-        output::tell("dropped", &scene.defects);
+        output::tell_of(&scene);
     }
     let camera = args.camera.choose(&scene, args.resolution)?;
-    let frame = camera
-        .frame(args.resolution.0, args.resolution.1)
-        .context("the camera is impossible")?;
+    let filter = match args.filter {
+        FilterName::Box => PixelFilter::Box,
+        FilterName::BlackmanHarris => PixelFilter::BlackmanHarris,
+    };
+    let view = camera_args::view(&camera, args.resolution, filter.radius())?;
+    let frame = view.camera;
     let camera_flags = camera_args::as_flags(&camera, &scene, args.camera.up());
     if !args.quiet {
         output::message(&format!("camera: {camera_flags}"));
@@ -176,15 +177,6 @@ pub(super) fn run(args: &RenderArgs) -> anyhow::Result<Done> {
         .build()
         .context("cannot start threads")?;
     let started = Instant::now();
-    let filter = match args.filter {
-        FilterName::Box => PixelFilter::Box,
-        FilterName::BlackmanHarris => PixelFilter::BlackmanHarris,
-    };
-    let view = View {
-        camera: frame,
-        size: args.resolution,
-        filter_radius: filter.radius(),
-    };
     let build_options = args.extents.add_to(args.bsp.options(args.seed), view);
     let accelerator = pool.install(|| args.accel.build_with(&scene, &build_options));
     let integrator = integrator(args, &scene);

@@ -2,7 +2,7 @@
 
 use serde_json::Value;
 
-use super::run::{Ran, bspray, model, render};
+use super::run::{Ran, bspray, model, picture};
 
 /// Compares on a view of a few hundred rays, with more arguments behind.
 fn compare(name: &str, args: &[&str]) -> Ran {
@@ -198,13 +198,6 @@ fn the_help_tells_the_exit_code() {
 
 #[test]
 fn how_a_tree_is_built_and_walked_does_not_change_a_picture() {
-    let folder = tempfile::tempdir().unwrap();
-    let picture = |args: &[&str]| {
-        let all = [&["-o", "a.png"], args].concat();
-        let ran = render(folder.path(), "lecture-objects.gltf", &all);
-        assert_eq!(ran.code, Some(0), "{ran:?}");
-        std::fs::read(folder.path().join("a.png")).unwrap()
-    };
     let usual = picture(&[]);
     for (option, value) in [
         ("--bsp-quality", "fast"),

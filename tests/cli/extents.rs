@@ -2,17 +2,10 @@
 
 use serde_json::Value;
 
-use super::run::{bspray, model, render};
+use super::run::{bspray, model, picture, render};
 
 #[test]
 fn pictures_are_the_same_with_every_choice_of_extents() {
-    let folder = tempfile::tempdir().unwrap();
-    let picture = |args: &[&str]| {
-        let all = [&["-o", "a.png"], args].concat();
-        let ran = render(folder.path(), "lecture-objects.gltf", &all);
-        assert_eq!(ran.code, Some(0), "{ran:?}");
-        std::fs::read(folder.path().join("a.png")).unwrap()
-    };
     let want = picture(&[]);
     for extents in [
         "none",

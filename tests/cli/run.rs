@@ -44,6 +44,15 @@ pub(crate) fn render(folder: &Path, model: &str, args: &[&str]) -> Ran {
     bspray(folder, &all)
 }
 
+/// The bytes of the picture of `lecture-objects` with these arguments.
+pub(crate) fn picture(args: &[&str]) -> Vec<u8> {
+    let folder = tempfile::tempdir().expect("a folder");
+    let all = [&["-o", "a.png"], args].concat();
+    let ran = render(folder.path(), "lecture-objects.gltf", &all);
+    assert_eq!(ran.code, Some(0), "{ran:?}");
+    std::fs::read(folder.path().join("a.png")).expect("a picture")
+}
+
 /// The path of a file in `models/`.
 pub(crate) fn model(name: &str) -> String {
     format!("{}/models/{name}", env!("CARGO_MANIFEST_DIR"))

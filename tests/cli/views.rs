@@ -156,9 +156,10 @@ fn drawings_that_make_no_sense_are_refused_in_one_line_and_nothing_is_written() 
         ),
         (
             &block,
-            &["--svg", "a.svg", "--regions", "a.svg"],
+            // One place under two names.
+            &["--svg", "a.svg", "--regions", "./a.svg"],
             2,
-            &["--regions: a.svg: ", "twice"],
+            &["./a.svg: is named twice as an output"],
         ),
         (
             "own.obj",

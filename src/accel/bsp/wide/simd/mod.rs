@@ -17,6 +17,7 @@ mod search;
 mod searches;
 mod shaft;
 mod single;
+mod stack;
 mod table;
 mod together;
 mod together_any;
@@ -25,15 +26,15 @@ mod together_closest;
 mod vectors;
 
 pub(super) use parts::parts;
-pub(super) use single::MOST_DEPTH;
+pub(super) use stack::MOST_DEPTH;
 pub(super) use table::GROUP;
 
 use crate::accel::counters::Counter;
 use crate::geometry::Ray;
 
 use super::super::options::BspInstructions;
-use super::node::{Node, Word};
-use super::store::{LINE, Store};
+use super::node::{Node, WIDTH, Word};
+use super::store::{FULL_BLOCK, LINE, Store};
 use super::walk::Reach;
 
 /// Sets of instructions that the walk is compiled for.
@@ -160,11 +161,44 @@ impl<'a> Tree<'a> {
         self.nodes.wrapping_byte_add(word.offset())
     }
 
-    /// Where a leaf's first block begins.
+    /// The blocks of a leaf.
     #[inline(always)]
-    fn block(&self, leaf: Word) -> *const f32 {
-        // Within the words: a leaf's place is where its blocks were written.
-        self.words.wrapping_add(leaf.place() * LINE).cast()
+    fn blocks(&self, leaf: Word) -> Blocks {
+        Blocks {
+            // Within the words: a leaf's place is where its blocks were written.
+            block: self.words.wrapping_add(leaf.place() * LINE).cast(),
+            full: leaf.full_blocks(),
+            last: leaf.last_count(),
+        }
+    }
+}
+
+/// A leaf's blocks, one after the other.
+struct Blocks {
+    block: *const f32,
+    /// Full blocks from this one on that are not the last.
+    full: usize,
+    /// Triangles of the last block.
+    last: usize,
+}
+
+impl Blocks {
+    /// Where the block begins, and its triangles.
+    #[inline(always)]
+    fn current(&self) -> (*const f32, usize) {
+        let count = if self.full == 0 { self.last } else { WIDTH };
+        (self.block, count)
+    }
+
+    /// `false` after the last.
+    #[inline(always)]
+    fn advance(&mut self) -> bool {
+        if self.full == 0 {
+            return false;
+        }
+        self.full -= 1;
+        self.block = self.block.wrapping_add(FULL_BLOCK);
+        true
     }
 }
 

@@ -12,7 +12,7 @@ use super::super::node::{Node, WIDTH};
 use super::bundle::Faces;
 use super::group::Group;
 use super::kernel::Lanes;
-use super::single::STACK;
+use super::stack::STACK;
 
 /// Up to so many rays walk a child each alone. Between 2 and 8 it hardly matters; without it, shadows of leaves (ficus) take 13 % longer.
 pub(super) const FEW: u32 = 3;

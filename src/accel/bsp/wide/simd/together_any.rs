@@ -1,13 +1,11 @@
 //! Whether rays of groups hit anything: those that do leave the walk.
 
-use std::mem::MaybeUninit;
-
 use super::super::node::{WIDTH, Word};
-use super::super::store::FULL_BLOCK;
 use super::Tree;
 use super::group::{Group, Visit, visit_groups};
 use super::kernel::Lanes;
-use super::single::{STACK, meets_any};
+use super::single::meets_any;
+use super::stack::Promising;
 use super::table::{GROUP, Table};
 use super::together::{Children, FEW, is_by_triangle, vectors};
 use crate::geometry::Ray;
@@ -79,22 +77,15 @@ unsafe fn any_of_group<L: Lanes>(
                     return occluded;
                 }
             } else if current.is_leaf() {
-                let mut block = tree.block(current);
-                let mut full = current.full_blocks();
+                let mut blocks = tree.blocks(current);
                 loop {
-                    let count = if full == 0 {
-                        current.last_count()
-                    } else {
-                        WIDTH
-                    };
+                    let (block, count) = blocks.current();
                     let hits = any_in_block(&group, table, rays, block, count, active);
                     occluded |= hits;
                     active &= !hits;
-                    if full == 0 || active == 0 {
+                    if active == 0 || !blocks.advance() {
                         break;
                     }
-                    full -= 1;
-                    block = block.add(FULL_BLOCK);
                 }
                 if occluded == all {
                     return occluded;
@@ -132,8 +123,7 @@ unsafe fn any_alone<L: Lanes>(
     table: &Table,
     rays: &[Ray],
 ) -> bool {
-    let mut stack = [const { MaybeUninit::<Word>::uninit() }; STACK];
-    let mut height = 0_usize;
+    let mut stack = Promising::new();
     let mut current = word;
     // SAFETY: as in `closest_of_group`.
     unsafe {
@@ -145,14 +135,9 @@ unsafe fn any_alone<L: Lanes>(
         loop {
             if current.is_leaf() {
                 let block_ray = bundle.block_ray(lane, &group.frame);
-                let mut block = tree.block(current);
-                let mut full = current.full_blocks();
+                let mut blocks = tree.blocks(current);
                 loop {
-                    let count = if full == 0 {
-                        current.last_count()
-                    } else {
-                        WIDTH
-                    };
+                    let (block, count) = blocks.current();
                     let candidates = block_ray.test(block, count, ends);
                     let hits = candidates.hit != 0
                         || (candidates.possible != 0 && {
@@ -162,33 +147,22 @@ unsafe fn any_alone<L: Lanes>(
                     if hits {
                         return true;
                     }
-                    if full == 0 {
+                    if !blocks.advance() {
                         break;
                     }
-                    full -= 1;
-                    block = block.add(FULL_BLOCK);
                 }
             } else {
                 let node = &*tree.node(current);
-                let (mut hit, _) = node_ray.test(node, last);
+                let (hit, _) = node_ray.test(node, last);
                 if hit != 0 {
-                    let best = 31 - hit.leading_zeros();
-                    hit &= !(1 << best);
-                    current = *node.children.get_unchecked(best as usize);
-                    while hit != 0 {
-                        let next = *node.children.get_unchecked(hit.trailing_zeros() as usize);
-                        hit &= hit - 1;
-                        stack.get_unchecked_mut(height).write(next);
-                        height += 1;
-                    }
+                    current = stack.descend(node, hit);
                     continue;
                 }
             }
-            if height == 0 {
-                return false;
+            match stack.pop() {
+                Some(next) => current = next,
+                None => return false,
             }
-            height -= 1;
-            current = stack.get_unchecked(height).assume_init();
         }
     }
 }

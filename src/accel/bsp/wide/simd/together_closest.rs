@@ -1,11 +1,10 @@
 //! The nearest hits of groups of rays: the nearest child first, as a ray in the middle meets them.
 
 use super::super::node::{WIDTH, Word};
-use super::super::store::FULL_BLOCK;
 use super::group::{Group, Visit, visit_groups};
 use super::kernel::Lanes;
 use super::searches::Searches;
-use super::single::Stack;
+use super::stack::Stack;
 use super::table::Table;
 use super::together::{Children, FEW};
 use super::{Found, Tree};
@@ -65,20 +64,13 @@ unsafe fn closest_of_group<L: Lanes>(
                     closest_alone(tree, current, place, &mut searches);
                 }
             } else if current.is_leaf() {
-                let mut block = tree.block(current);
-                let mut full = current.full_blocks();
+                let mut blocks = tree.blocks(current);
                 loop {
-                    let count = if full == 0 {
-                        current.last_count()
-                    } else {
-                        WIDTH
-                    };
+                    let (block, count) = blocks.current();
                     searches.test_block(block, count, active);
-                    if full == 0 {
+                    if !blocks.advance() {
                         break;
                     }
-                    full -= 1;
-                    block = block.add(FULL_BLOCK);
                 }
             } else {
                 let node = tree.node(current);
@@ -123,24 +115,17 @@ unsafe fn closest_alone<L: Lanes>(
             if current.is_leaf() {
                 let block_ray =
                     searches.group.bundles[index].block_ray(lane, &searches.group.frame);
-                let mut block = tree.block(current);
-                let mut full = current.full_blocks();
+                let mut blocks = tree.blocks(current);
                 loop {
-                    let count = if full == 0 {
-                        current.last_count()
-                    } else {
-                        WIDTH
-                    };
+                    let (block, count) = blocks.current();
                     let ends = searches.group.bundles[index].ends(lane);
                     let candidates = block_ray.test(block, count, ends);
                     if candidates.possible != 0 {
                         searches.take_of_block(place, block, count, candidates);
                     }
-                    if full == 0 {
+                    if !blocks.advance() {
                         break;
                     }
-                    full -= 1;
-                    block = block.add(FULL_BLOCK);
                 }
             } else {
                 let node = &*tree.node(current);
