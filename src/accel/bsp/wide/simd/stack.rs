@@ -156,13 +156,15 @@ impl Promising {
         hit &= !(1 << best);
         // SAFETY: the caller's promise.
         unsafe {
+            // Known before anything is written: the walk goes on from it at once.
+            let promising = *node.children.get_unchecked(best as usize);
             while hit != 0 {
                 let next = *node.children.get_unchecked(hit.trailing_zeros() as usize);
                 hit &= hit - 1;
                 self.waiting.get_unchecked_mut(self.height).write(next);
                 self.height += 1;
             }
-            *node.children.get_unchecked(best as usize)
+            promising
         }
     }
 
