@@ -5,10 +5,10 @@
 use super::measure::{self, Speed};
 use super::view_rays::{Query, RayPurpose, RaySet, ViewOptions, view_rays};
 use crate::accel::extents::{
-    ExtentChoice, ExtentSet, ExtentTally, ExtentTest, ExtentsLoop, MeshAccelerator, ObjectTally,
-    View,
+    CostTable, ExtentChoice, ExtentSet, ExtentTally, ExtentTest, ExtentsLoop, MeshAccelerator,
+    ObjectTally, View,
 };
-use crate::accel::{Accelerator, AcceleratorKind, BuildOptions};
+use crate::accel::{Accelerator, AcceleratorKind, BuildOptions, TraceCounters};
 use crate::geometry::{Ray, RayOrigin};
 use crate::render::{SkyMode, Stage, Surface};
 use crate::scene::Scene;
@@ -36,8 +36,8 @@ pub struct LadderOptions {
 pub struct StepOnRays {
     /// How fast; ratios are to the first step. `None` without rays.
     pub speed: Option<Speed>,
-    /// Counted cost of a ray, in the unit of [`CostTable`](crate::accel::extents::CostTable); `None` for structures without objects.
-    pub cost: Option<f64>,
+    /// Counted cost of a ray, in the unit of [`CostTable`]. A structure of the whole scene costs what a full test of an object with its steps would.
+    pub cost: f64,
     /// The outcomes at all objects together; `None` for structures without objects.
     pub tally: Option<ObjectTally>,
 }
@@ -63,14 +63,15 @@ pub struct Ladder {
 /// A structure of a step, which may be a loop over objects.
 enum Built {
     Loop(ExtentsLoop),
-    Whole(Box<dyn Accelerator>),
+    /// With what its steps cost.
+    Whole(Box<dyn Accelerator>, CostTable),
 }
 
 impl Built {
     fn accelerator(&self) -> &dyn Accelerator {
         match self {
             Self::Loop(objects) => objects,
-            Self::Whole(accelerator) => &**accelerator,
+            Self::Whole(accelerator, _) => &**accelerator,
         }
     }
 }
@@ -81,41 +82,44 @@ impl Ladder {
         let lookup = AcceleratorKind::Bsp.build_with(scene, &options.build);
         let sets = ray_sets(scene, &*lookup, options);
         let steps = steps(options.build.mesh);
-        let build = |(_, extents, mesh): &(String, Option<ExtentChoice>, Mesh)| {
-            let with = |mesh, extents| BuildOptions {
-                mesh,
-                extents,
-                view: Some(options.view),
-                ..options.build
-            };
-            match (extents, mesh) {
-                (Some(extents), Mesh::Within(mesh)) => {
-                    Built::Loop(ExtentsLoop::build(scene, &with(*mesh, *extents)))
-                }
-                (_, Mesh::Alone(kind)) => Built::Whole(kind.build_with(scene, &options.build)),
-                (None, Mesh::Within(_)) => Built::Whole(AcceleratorKind::Linear.build(scene)),
+        let build = |(_, plan): &(String, Plan)| match plan {
+            Plan::Objects(extents, mesh) => {
+                let build = BuildOptions {
+                    mesh: *mesh,
+                    extents: *extents,
+                    view: Some(options.view),
+                    ..options.build
+                };
+                Built::Loop(ExtentsLoop::build(scene, &build))
             }
+            Plan::Alone(kind, costs) => Built::Whole(
+                kind.build_with(scene, &options.build),
+                CostTable::of(*costs),
+            ),
         };
         let built: Vec<Built> = steps.iter().map(build).collect();
         let accelerators: Vec<&dyn Accelerator> = built.iter().map(Built::accelerator).collect();
         let mut found: Vec<LadderStep> = steps
-            .into_iter()
-            .map(|(name, ..)| LadderStep {
-                name,
+            .iter()
+            .map(|(name, _)| LadderStep {
+                name: name.clone(),
                 rays: Vec::new(),
             })
             .collect();
         for (_, set) in &sets {
             let speeds = measure::speeds_in_turns(&accelerators, set, options.repetitions);
             for (number, step) in found.iter_mut().enumerate() {
-                let counted = match &built[number] {
-                    Built::Loop(objects) => Some(count(objects, set)),
-                    Built::Whole(_) => None,
+                let (cost, tally) = match &built[number] {
+                    Built::Loop(objects) => {
+                        let (cost, tally) = count(objects, set);
+                        (cost, Some(tally))
+                    }
+                    Built::Whole(whole, costs) => (count_whole(&**whole, costs, set), None),
                 };
                 step.rays.push(StepOnRays {
                     speed: speeds.as_ref().map(|s| s[number]),
-                    cost: counted.map(|(cost, _)| cost),
-                    tally: counted.map(|(_, tally)| tally),
+                    cost: cost / set.rays.len().max(1) as f64,
+                    tally,
                 });
             }
         }
@@ -126,16 +130,16 @@ impl Ladder {
     }
 }
 
-/// Where the triangles are.
-enum Mesh {
-    /// Under such a structure within each object.
-    Within(MeshAccelerator),
-    /// Under such a structure for the whole scene.
-    Alone(AcceleratorKind),
+/// How a step's structure is built.
+enum Plan {
+    /// A loop over objects with these extents, and such a structure within each.
+    Objects(ExtentChoice, MeshAccelerator),
+    /// One structure for the whole scene, whose steps cost what those of such a structure within an object do.
+    Alone(AcceleratorKind, MeshAccelerator),
 }
 
-/// The steps: name, extents of a loop over objects, and where the triangles are.
-fn steps(mesh: MeshAccelerator) -> Vec<(String, Option<ExtentChoice>, Mesh)> {
+/// The steps, with their names.
+fn steps(mesh: MeshAccelerator) -> Vec<(String, Plan)> {
     use ExtentTest::{BoxWorld, Screen, SphereWorld};
     let (sphere, both) = (
         ExtentSet::NONE.with(SphereWorld),
@@ -155,27 +159,26 @@ fn steps(mesh: MeshAccelerator) -> Vec<(String, Option<ExtentChoice>, Mesh)> {
     let mut steps: Vec<_> = sets
         .into_iter()
         .map(|(name, set)| {
-            let choice = Some(ExtentChoice::Fixed(set));
-            (
-                format!("{name}, {mesh} in objects"),
-                choice,
-                Mesh::Within(mesh),
-            )
+            let plan = Plan::Objects(ExtentChoice::Fixed(set), mesh);
+            (format!("{name}, {mesh} in objects"), plan)
         })
         .collect();
     for within in [mesh, MeshAccelerator::Bvh2, MeshAccelerator::Bsp] {
         let name = format!("auto, {within} in objects");
-        if steps.iter().all(|(other, ..)| *other != name) {
-            steps.push((name, Some(ExtentChoice::Auto), Mesh::Within(within)));
+        if steps.iter().all(|(other, _)| *other != name) {
+            steps.push((name, Plan::Objects(ExtentChoice::Auto, within)));
         }
     }
-    for kind in [AcceleratorKind::Bvh2, AcceleratorKind::Bsp] {
-        steps.push((format!("{kind} alone"), None, Mesh::Alone(kind)));
+    for (kind, costs) in [
+        (AcceleratorKind::Bvh2, MeshAccelerator::Bvh2),
+        (AcceleratorKind::Bsp, MeshAccelerator::Bsp),
+    ] {
+        steps.push((format!("{kind} alone"), Plan::Alone(kind, costs)));
     }
     steps
 }
 
-/// Counted cost of a ray, and the outcomes.
+/// Counted cost of the rays, and the outcomes.
 fn count(objects: &ExtentsLoop, set: &RaySet) -> (f64, ObjectTally) {
     let mut tally = ExtentTally::new(objects.objects().len());
     for ray in &set.rays {
@@ -188,8 +191,23 @@ fn count(objects: &ExtentsLoop, set: &RaySet) -> (f64, ObjectTally) {
             }
         }
     }
-    let cost = objects.tallied_cost(&tally);
-    (cost / set.rays.len().max(1) as f64, tally.total())
+    (objects.tallied_cost(&tally), tally.total())
+}
+
+/// Counted cost of the rays in a structure of the whole scene: it is entered once by each, and then takes its steps.
+fn count_whole(accelerator: &dyn Accelerator, costs: &CostTable, set: &RaySet) -> f64 {
+    let mut steps = TraceCounters::default();
+    for ray in &set.rays {
+        match set.purpose.query() {
+            Query::Closest => {
+                accelerator.closest_hit_counted(ray, &mut steps);
+            }
+            Query::Any => {
+                accelerator.any_hit_counted(ray, &mut steps);
+            }
+        }
+    }
+    costs.enter * set.rays.len() as f64 + costs.steps(&steps)
 }
 
 /// Eye, shadow and mirror rays of the view.
@@ -256,7 +274,7 @@ mod tests {
         let names: Vec<_> = ladder.kinds.iter().map(|(name, _)| *name).collect();
         assert_eq!(names, ["eye", "shadow", "mirror"]);
         let tally = |step: usize, kind: usize| ladder.steps[step].rays[kind].tally.unwrap();
-        let cost = |step: usize, kind: usize| ladder.steps[step].rays[kind].cost.unwrap();
+        let cost = |step: usize, kind: usize| ladder.steps[step].rays[kind].cost;
         // With a sphere and a box, fewer than a third of the full tests are left.
         assert!(3 * tally(3, 0).full_tests < tally(0, 0).full_tests);
         assert_eq!(tally(3, 0).hits, tally(0, 0).hits);

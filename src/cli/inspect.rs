@@ -14,6 +14,7 @@ use super::{Done, output};
 
 /// Arguments of `bspray inspect`.
 #[derive(Args, Debug)]
+#[command(mut_group("CameraArgs", |group| group.requires("extent_table")))]
 pub(super) struct InspectArgs {
     /// Model files (.obj, .gltf, .glb); several make one scene
     #[arg(required = true, value_name = "MODEL")]

@@ -4,24 +4,26 @@ use std::fmt::Write;
 
 use bspray::accel::extents::{
     ExtentChoice, ExtentObject, ExtentSet, ExtentShapes, ExtentTest, ExtentsLoop, MeshAccelerator,
-    ObjectStudy,
+    ObjectStudy, PointCluster, projected_area,
 };
 use bspray::accel::{AcceleratorKind, BuildOptions};
 use bspray::analysis::{LadderOptions, Query, ray_sets};
-use bspray::render::{CameraWishes, frame_scene};
-use bspray::scene::Scene;
+use bspray::scene::{MeshMeasure, Scene};
 use clap::Args;
-use glam::Vec3;
+use glam::DAffine3;
 use serde_json::{Value, json};
 
-use super::{Done, camera_args, extent_args, output, values};
+use super::camera_args::{self, CameraArgs};
+use super::{Done, extent_args, output, values};
 
 /// Arguments for the table of extents.
 #[derive(Args, Debug)]
 pub(super) struct InspectExtentArgs {
-    /// Tell of the objects' extents instead: their sizes, and what they are worth for eye, shadow and mirror rays of the file's first camera
+    /// Tell of the objects' extents instead: their sizes, and what they are worth for eye, shadow and mirror rays of the camera
     #[arg(long, conflicts_with = "bsp")]
     pub(super) extent_table: bool,
+    #[command(flatten)]
+    camera: CameraArgs,
     /// With --extent-table: what finds the hits within an object: linear (the lecture's), bsp, bvh2 or cwbvh
     #[arg(long, value_name = "KIND", default_value_t = MeshAccelerator::Linear, value_parser = extent_args::mesh, requires = "extent_table")]
     mesh_accel: MeshAccelerator,
@@ -35,10 +37,7 @@ pub(super) struct InspectExtentArgs {
 
 /// Tells of the extents.
 pub(super) fn run(scene: &Scene, args: &InspectExtentArgs, as_json: bool) -> anyhow::Result<Done> {
-    let (width, height) = args.resolution;
-    let aspect = f64::from(width) / f64::from(height);
-    let framed = || frame_scene(scene, &CameraWishes::default(), Vec3::Y, aspect);
-    let camera = scene.cameras.first().cloned().unwrap_or_else(framed);
+    let camera = args.camera.choose(scene, args.resolution)?;
     let view = camera_args::view(&camera, args.resolution, 0.0)?;
     let build = BuildOptions {
         extents: ExtentChoice::Auto,
@@ -54,18 +53,29 @@ pub(super) fn run(scene: &Scene, args: &InspectExtentArgs, as_json: bool) -> any
         most_rays: args.rays as usize,
         repetitions: 0,
         seed: 0,
-        up: Vec3::Y,
+        up: args.camera.up(),
     };
     let mut studies = objects.study(&[], true);
     for (_, set) in ray_sets(scene, &*lookup, &options) {
         let more = objects.study(&set.rays, set.purpose.query() == Query::Closest);
         studies.iter_mut().zip(&more).for_each(|(s, m)| s.add(m));
     }
+    let clusters: Vec<_> = scene
+        .meshes
+        .iter()
+        .map(|mesh| PointCluster::new(&mesh.cluster(usize::MAX)))
+        .collect();
     let rows: Vec<Value> = objects
         .objects()
         .iter()
         .zip(&studies)
-        .map(|(object, study)| row(scene, object, study))
+        .map(|(object, study)| {
+            let instance = &scene.instances[object.instance as usize];
+            let cluster = clusters[instance.mesh as usize].as_ref();
+            let placed = cluster.and_then(|c| c.transformed(&instance.world_from_object));
+            let pixels = placed.and_then(|c| projected_area(c.hull(), &view));
+            row(scene, object, study, pixels)
+        })
         .collect();
     let sum = |cost: &dyn Fn(usize) -> f64| (0..studies.len()).map(cost).sum::<f64>();
     let usable = |object: usize, set: ExtentSet| -> ExtentSet {
@@ -93,18 +103,37 @@ pub(super) fn run(scene: &Scene, args: &InspectExtentArgs, as_json: bool) -> any
     Ok(Done::Completely)
 }
 
-/// Box and sphere: volumes and surfaces, which rays meet in proportion to.
-fn shapes(shapes: &ExtentShapes) -> Value {
+/// Box and sphere in one space, and the object there: volumes, and surfaces, which rays meet in proportion to.
+fn shapes(shapes: &ExtentShapes, object: &MeshMeasure) -> Value {
     let [x, y, z] = shapes.bounds.extent().to_array().map(f64::from);
-    let surface = 2.0 * (x * y + y * z + z * x);
+    let of_extent = |volume: f64, surface: f64| {
+        let over = |of_object: f64, of_extent: f64| {
+            let is_sound = of_object > 0.0;
+            is_sound.then(|| of_extent / of_object)
+        };
+        json!({ "volume": volume, "surface": surface,
+            "volume_over_object": object.volume.and_then(|v| over(v, volume)),
+            "surface_over_object": over(object.surface, surface) })
+    };
+    let mut bounds = of_extent(x * y * z, 2.0 * (x * y + y * z + z * x));
+    bounds["size"] = json!([x, y, z]);
     let sphere = shapes.sphere.map(|s| {
-        json!({ "radius": s.radius, "volume": s.volume(), "surface": s.surface_area(),
-            "surface_over_box": if surface > 0.0 { json!(s.surface_area() / surface) } else { Value::Null } })
+        let mut sphere = of_extent(s.volume(), s.surface_area());
+        sphere["radius"] = json!(s.radius);
+        sphere
     });
-    json!({ "box": { "size": [x, y, z], "volume": x * y * z, "surface": surface }, "sphere": sphere })
+    json!({ "volume": object.volume, "surface": object.surface, "box": bounds, "sphere": sphere })
 }
 
-fn row(scene: &Scene, object: &ExtentObject, study: &ObjectStudy) -> Value {
+/// `hull_pixels`: the projected area of the object's hull.
+fn row(
+    scene: &Scene,
+    object: &ExtentObject,
+    study: &ObjectStudy,
+    hull_pixels: Option<f64>,
+) -> Value {
+    let instance = &scene.instances[object.instance as usize];
+    let mesh = scene.mesh_of(object.instance);
     let tests = ExtentTest::ALL.into_iter().filter(|&t| study.has(t));
     let tests = tests.map(|test| {
         json!({
@@ -120,13 +149,14 @@ fn row(scene: &Scene, object: &ExtentObject, study: &ObjectStudy) -> Value {
         })
     });
     json!({
-        "name": scene.instances[object.instance as usize].name,
+        "name": instance.name,
         "instance": object.instance,
-        "triangles": scene.mesh_of(object.instance).triangles.len(),
+        "triangles": mesh.triangles.len(),
         "cluster": object.points.0,
         "hull": object.points.1,
-        "object_space": shapes(&object.extents.object),
-        "world_space": object.extents.world.as_ref().map(shapes),
+        "object_space": shapes(&object.extents.object, &mesh.measure(&DAffine3::IDENTITY)),
+        "world_space": object.extents.world.as_ref().map(|s| shapes(s, &mesh.measure(&instance.world_from_object))),
+        "hull_pixels": hull_pixels,
         "screen": object.extents.screen.map(|s| json!({ "left": s.left, "right": s.right, "top": s.top, "bottom": s.bottom, "pixels": s.area() })),
         "tests": tests.collect::<Vec<_>>(),
         "choice": object.tests.to_string(),
@@ -162,24 +192,45 @@ fn text(report: &Value) -> String {
     );
     for object in report["objects"].as_array().into_iter().flatten() {
         let words = |key: &str| object[key].as_str().unwrap_or_default();
-        let ratio = &object["world_space"]["sphere"]["surface_over_box"];
         let _ = writeln!(
             out,
-            "\n{} {}: {} triangles, {} points, {} on the hull; in world space the sphere has {:.2} of the box's surface\n  {:<15}{:>8}{:>12}{:>9}{:>10}{:>9}{:>14}{:>8}",
+            "\n{} {}: {} triangles, {} points, {} on the hull",
             object["instance"],
             words("name"),
             object["triangles"],
             object["cluster"],
             object["hull"],
-            real(ratio),
-            "extent",
-            "T",
-            "m",
-            "f",
-            "predicted",
-            "counted",
-            "false alarms",
-            "hits"
+        );
+        let _ = writeln!(
+            out,
+            "  {:<15}{:>12}{:>12}{:>24}{:>8}{:>20}{:>8}",
+            "space",
+            "surface",
+            "volume",
+            "box/object: surface",
+            "volume",
+            "sphere: surface",
+            "volume"
+        );
+        for space in ["object", "world"] {
+            let shapes = &object[format!("{space}_space")];
+            let _ = writeln!(out, "  {space:<15}{}", sizes(shapes));
+        }
+        let screen = &object["screen"]["pixels"];
+        let _ = match object["hull_pixels"].as_f64() {
+            Some(hull) => writeln!(
+                out,
+                "  screen {screen} pixels in the extent, {hull:.0} in the hull"
+            ),
+            None => writeln!(
+                out,
+                "  screen {screen} pixels in the extent; the hull reaches behind the eye"
+            ),
+        };
+        let _ = writeln!(
+            out,
+            "  {:<15}{:>8}{:>12}{:>9}{:>10}{:>9}{:>14}{:>8}",
+            "extent", "T", "m", "f", "predicted", "counted", "false alarms", "hits"
         );
         for test in object["tests"].as_array().into_iter().flatten() {
             let _ = writeln!(
@@ -210,4 +261,29 @@ fn text(report: &Value) -> String {
             .unwrap_or_default()
     );
     out
+}
+
+/// The sizes in one space, below their headings.
+fn sizes(shapes: &Value) -> String {
+    if shapes.is_null() {
+        return "beyond single precision".to_owned();
+    }
+    let size = |key: &str| match shapes[key].as_f64() {
+        None => "open".to_owned(),
+        Some(x) if (1e-3..1e6).contains(&x) => format!("{x:.4}"),
+        Some(x) => format!("{x:.3e}"),
+    };
+    let ratio = |extent: &str, key: &str| {
+        let ratio = shapes[extent][format!("{key}_over_object")].as_f64();
+        ratio.map_or("-".to_owned(), |x| format!("{x:.2}"))
+    };
+    format!(
+        "{:>12}{:>12}{:>24}{:>8}{:>20}{:>8}",
+        size("surface"),
+        size("volume"),
+        ratio("box", "surface"),
+        ratio("box", "volume"),
+        ratio("sphere", "surface"),
+        ratio("sphere", "volume")
+    )
 }

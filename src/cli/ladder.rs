@@ -124,8 +124,11 @@ fn table(ladder: &Ladder) -> String {
                 (format!("{:.0}", 1e9 / speed), format!("{ratio:.2}"))
             });
             let first = ladder.steps[0].rays[kind].cost;
-            let counted = first.zip(rays.cost).filter(|(_, cost)| *cost > 0.0);
-            let counted = counted.map_or("-".into(), |(a, b)| format!("{:.2}", a / b));
+            let counted = if rays.cost > 0.0 {
+                format!("{:.2}", first / rays.cost)
+            } else {
+                "-".into()
+            };
             let _ = write!(out, "{time:>13}{ratio:>10}{counted:>10}");
         }
     }

@@ -7,6 +7,7 @@ mod environment;
 mod instance;
 mod light;
 mod material;
+mod measure;
 mod mesh;
 mod texture;
 
@@ -19,6 +20,7 @@ pub use material::{
     AlphaMode, Bump, Clearcoat, Material, Opacity, OpacityChannel, Sheen, Specular, TextureRef,
     Transmission, UvTransform, Volume,
 };
+pub use measure::MeshMeasure;
 pub use mesh::{MeshError, Outline, Part, TriangleMesh};
 pub use texture::{Filter, Image, Pixels, Texture, Wrap};
 

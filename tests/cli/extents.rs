@@ -93,6 +93,28 @@ fn the_table_tells_every_object_and_that_auto_is_as_good_as_the_best() {
     assert!(cost("auto") <= 1.05 * same, "{}", value["cost"]);
     assert!(cost("auto") < 0.1 * cost("none"));
 
+    // A ball's box has 6/pi of its surface and volume, its sphere nearly the same, in any size.
+    let ball = rows.iter().find(|row| row["name"] == "ball").unwrap();
+    let real = |path: &str| ball.pointer(path).and_then(Value::as_f64).unwrap();
+    let six_over_pi = 6.0 / std::f64::consts::PI;
+    for space in ["/object_space", "/world_space"] {
+        for key in ["surface", "volume"] {
+            let of_box = real(&format!("{space}/box/{key}_over_object"));
+            assert!((of_box / six_over_pi - 1.0).abs() < 0.02, "{of_box}");
+            let of_sphere = real(&format!("{space}/sphere/{key}_over_object"));
+            assert!((1.0..1.02).contains(&of_sphere), "{of_sphere}");
+        }
+    }
+    let growth = real("/world_space/volume") / real("/object_space/volume");
+    assert!((growth - 1.6_f64.powi(3)).abs() < 1e-3, "{growth}");
+    // A rectangle around a round shape has 4/pi of its area, and some pixels at its rim.
+    let in_extent = real("/screen/pixels") / real("/hull_pixels");
+    assert!((1.27..1.32).contains(&in_extent), "{in_extent}");
+    assert!(
+        rows[0]["object_space"]["volume"].is_null(),
+        "an open ground has no volume"
+    );
+
     let text = bspray(folder.path(), &args[..3]);
     for words in ["predicted", "auto: ", "counted cost of a ray"] {
         assert!(text.stdout.contains(words), "{words}: {}", text.stdout);
@@ -120,7 +142,12 @@ fn the_ladder_has_all_steps_for_three_kinds_of_rays() {
     assert_eq!(steps[0]["name"], "no extents, bsp in objects");
     assert_eq!(steps.last().unwrap()["name"], "bsp alone");
     for step in steps {
-        assert_eq!(step["rays"].as_array().map(Vec::len), Some(3));
+        let rays = step["rays"].as_array().unwrap();
+        assert_eq!(rays.len(), 3);
+        assert!(
+            rays.iter()
+                .all(|r| r["counted_cost"].as_f64().unwrap() > 0.0)
+        );
     }
     let text = bspray(folder.path(), &args);
     assert!(text.stdout.contains("mirror rays") && text.stdout.contains("bvh2 alone"));
@@ -153,6 +180,12 @@ fn options_that_nobody_would_look_at_and_unknown_extents_are_refused() {
     );
     let block = model("lecture-block.obj");
     let ran = bspray(folder.path(), &["inspect", &block, "--rays", "5"]);
+    assert!(
+        ran.code == Some(2) && ran.stderr.contains("--extent-table"),
+        "{ran:?}"
+    );
+    let args = ["inspect", &block, "--camera-index", "0"];
+    let ran = bspray(folder.path(), &args);
     assert!(
         ran.code == Some(2) && ran.stderr.contains("--extent-table"),
         "{ran:?}"

@@ -12,6 +12,7 @@ mod flat;
 mod hull;
 mod object;
 mod probe;
+mod projection;
 mod ray;
 mod screen;
 mod set;
@@ -25,6 +26,7 @@ pub use choice::{ExtentChoice, ExtentSet, ExtentSphere, ExtentTest, MeshAccelera
 pub use cluster::PointCluster;
 pub use cost::{CostTable, speed_ratio};
 pub use object::{ExtentShapes, ObjectExtents, WorldRay};
+pub use projection::projected_area;
 pub use ray::ExtentRay;
 pub use screen::{ScreenExtent, View};
 pub use study::ObjectStudy;
