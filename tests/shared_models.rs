@@ -7,7 +7,8 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
-use bspray::accel::AcceleratorKind;
+use bspray::accel::extents::{ExtentSet, ExtentsLoop, View};
+use bspray::accel::{Accelerator, AcceleratorKind, BuildOptions};
 use bspray::import;
 use bspray::render::{
     CameraWishes, Integrator, PixelFilter, PixelRect, RenderOptions, SkyMode, Stage, frame_scene,
@@ -270,6 +271,71 @@ fn check_picture(scene: &Scene) -> Vec<String> {
         }
     }
     complaints
+}
+
+/// Real scenes of one object and of many, placed once, often and mirrored.
+const WITH_EXTENTS: [&str; 6] = [
+    "gltf/chess-board.glb",
+    "gltf/khronos/NegativeScaleTest/NegativeScaleTest.gltf",
+    "gltf/khronos/SimpleInstancing/SimpleInstancing.gltf",
+    "gltf/Sponza/Sponza.gltf",
+    "obj/city_etoile/etoile.obj",
+    "obj/peterbilt/peterbilt.obj",
+];
+
+#[test]
+fn no_combination_of_extents_changes_a_picture() {
+    let Some(folder) = folder() else { return };
+    for file in WITH_EXTENTS {
+        let scene = import::load(&[folder.join(file)]).unwrap();
+        let framed = frame_scene(&scene, &CameraWishes::default(), Vec3::Y, 1.5);
+        let camera = scene.cameras.first().unwrap_or(&framed);
+        let options = RenderOptions {
+            size: (24, 16),
+            window: PixelRect {
+                x: 0,
+                y: 0,
+                width: 24,
+                height: 16,
+            },
+            samples: 2,
+            seed: 0,
+            integrator: Integrator::Direct,
+            filter: PixelFilter::BlackmanHarris,
+            counts_cost: false,
+            wants_first_hits: true,
+        };
+        let frame = camera.frame(24, 16).unwrap();
+        let build = BuildOptions {
+            view: Some(View {
+                camera: frame,
+                size: options.size,
+                filter_radius: options.filter.radius(),
+            }),
+            ..BuildOptions::default()
+        };
+        let picture = |accelerator: &dyn Accelerator| {
+            let stage = Stage::new(&scene, accelerator, Vec3::Y, SkyMode::On);
+            let never = std::sync::atomic::AtomicBool::new(false);
+            let film = render(&stage, &frame, &options, &never);
+            let pixels = film.map(|sum, first| {
+                let bits = sum.color.to_array().map(f32::to_bits);
+                (
+                    bits,
+                    first.map(|f| (f.hit.t.to_bits(), f.hit.instance, f.hit.triangle)),
+                )
+            });
+            assert!(pixels.iter().any(|(_, first)| first.is_some()), "{file}");
+            pixels
+        };
+        let want = picture(&*AcceleratorKind::Bsp.build(&scene));
+        let mut objects = ExtentsLoop::build(&scene, &build);
+        assert!(picture(&objects) == want, "{file}: auto");
+        for set in ExtentSet::all() {
+            objects.choose(|_| set);
+            assert!(picture(&objects) == want, "{file}: {set}");
+        }
+    }
 }
 
 #[test]

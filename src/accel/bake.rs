@@ -4,10 +4,11 @@
 //! Meshes that are placed once, and those whose placement has no inverse, are baked into one set in world space, each point
 //! rounded once. A mesh that is placed several times stays in object space, and rays are taken there.
 
-use glam::{DAffine3, DMat3, DVec3};
+use glam::{DAffine3, DVec3};
 
 use super::normalized::NormalizedSpace;
-use crate::geometry::tolerance::{INSTANCE_FAR, INSTANCE_LEAST_DIRECTION, instance_margin};
+use super::placement::PlacementNorms;
+use crate::geometry::tolerance::{INSTANCE_FAR, INSTANCE_LEAST_DIRECTION};
 use crate::geometry::{Aabb, Ray, Triangle};
 use crate::scene::{Instance, Scene};
 
@@ -109,26 +110,24 @@ impl Placement {
         let Some(instance) = &self.instance else {
             return 0.0;
         };
-        let matrix = norm(instance.world_from_object.matrix3);
-        let inverse = norm(instance.object_from_world.matrix3);
         let offset = space.distance(instance.world_from_object.translation);
         let reach = INSTANCE_FAR / space.length(1.0);
-        instance_margin(matrix, inverse, instance.object_radius, reach + offset)
+        let norms = instance.norms();
+        norms.world_error(instance.object_radius, reach + offset)
     }
 
     /// Least largest component of a world-space direction for which [`Placement::margin`] holds.
     pub(super) fn least_direction(&self) -> f64 {
-        let way = self.instance.as_ref().map(|i| i.world_from_object.matrix3);
-        way.map_or(0.0, |m| INSTANCE_LEAST_DIRECTION * norm(m))
+        let norms = self.instance.as_ref().map(PlacedInstance::norms);
+        norms.map_or(0.0, |n| INSTANCE_LEAST_DIRECTION * n.own)
     }
 }
 
-/// Frobenius norm.
-fn norm(m: DMat3) -> f64 {
-    m.to_cols_array().iter().map(|x| x * x).sum::<f64>().sqrt()
-}
-
 impl PlacedInstance {
+    fn norms(&self) -> PlacementNorms {
+        PlacementNorms::of(&self.world_from_object, &self.object_from_world)
+    }
+
     /// The ray in object space.
     pub(super) fn object_ray(&self, ray: &Ray) -> Ray {
         object_ray(&self.object_from_world, ray)

@@ -16,6 +16,7 @@ mod instances;
 mod linear;
 mod names;
 mod normalized;
+mod placement;
 
 pub use bake::TestSpaces;
 pub use bsp::{BspAxes, BspInstructions, BspOrder, BspQuality, BuildOptions};

@@ -40,7 +40,7 @@ enum Command {
     /// Render models to pictures (PNG, JPEG) and measurements (EXR)
     Render(Box<render::RenderArgs>),
     /// Tell what model files hold
-    Inspect(inspect::InspectArgs),
+    Inspect(Box<inspect::InspectArgs>),
     /// Compare structures on the rays of one view: builds, speed, steps, and who is right
     Compare(Box<compare::CompareArgs>),
     /// Measure what each step from no extents to trees gives, for eye, shadow and mirror rays

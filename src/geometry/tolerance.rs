@@ -220,7 +220,7 @@ pub const CUT_ERROR_BY_PLACE: f32 = 8.0 * U32;
 /// Distance, in the same units, beyond which a ray's origin makes the tree above the instances visit them all.
 ///
 /// A ray taken to an instance's object space is rounded there, and so passes the instance beside its world-space line by
-/// a multiple of u times this distance; [`instance_margin`] covers it up to here.
+/// a multiple of u times this distance; [`object_space_error`] covers it up to here.
 pub const INSTANCE_FAR: f64 = 64.0;
 
 /// Length of a direction in object space, below which it may lose more than u of itself where it underflows: 2^-126.

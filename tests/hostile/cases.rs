@@ -3,8 +3,9 @@
 use bspray::accel::AcceleratorKind;
 use bspray::geometry::{Interval, Ray};
 use bspray::scene::{Instance, Scene};
-use glam::{DAffine3, DVec3, Vec3};
+use glam::{DAffine3, DQuat, DVec3, Vec3};
 
+use crate::random::Random;
 use crate::scenes::{Soup, scene};
 use crate::{all_choices, faults};
 
@@ -39,6 +40,46 @@ fn directions_that_underflow_in_object_space_lose_nothing() {
     let ends = [f32::INFINITY, 1e19];
     let rays = ends.map(|max| Ray::new(Vec3::ZERO, direction).within(Interval::new(0.0, max)));
     check_scene(&scene, &rays, 2);
+}
+
+#[test]
+fn placements_that_flatten_lose_nothing() {
+    // The inverse of so flat a placement is known to few digits, and what it moves is far away in object space.
+    let mut random = Random::new(11, 0);
+    for flatness in [1e-7, 1e-9, 1e-11, 1e-13, 1e-15] {
+        let soup: Soup = (0..40)
+            .map(|_| {
+                let middle = random.vector();
+                [0, 1, 2].map(|_| middle + 0.3 * random.vector())
+            })
+            .collect();
+        let mut scene = scene(&soup);
+        scene.instances = (0..3)
+            .map(|_| {
+                let axis = random.vector().normalize().as_dvec3();
+                let place = DAffine3::from_rotation_translation(
+                    DQuat::from_axis_angle(axis, f64::from(random.signed())),
+                    3.0 * random.vector().as_dvec3(),
+                ) * DAffine3::from_scale(DVec3::new(1.0, flatness, 1.0))
+                    * DAffine3::from_quat(DQuat::from_rotation_z(0.7));
+                Instance::new("flat", 0, place)
+            })
+            .collect();
+        let rays: Vec<Ray> = (0..800)
+            .map(|_| {
+                let [to, from] = [(); 2].map(|()| {
+                    let instance = &scene.instances[random.integer(0, 2) as usize];
+                    instance.world_point(1.2 * random.vector())
+                });
+                let from = from + random.pick(&[0.0, 1e-6, 4.0]) * random.vector();
+                Ray::new(from, to - from)
+            })
+            .collect();
+        let linear = AcceleratorKind::Linear.build(&scene);
+        let hits = rays.iter().filter(|r| linear.any_hit(r)).count();
+        assert!(hits > 40, "{flatness}: {hits}");
+        check_scene(&scene, &rays, hits);
+    }
 }
 
 /// A triangle around the z axis, of this size, at this height.

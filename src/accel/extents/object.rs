@@ -4,7 +4,7 @@
 //! is exact in world space, and rounded in object space. So where the triangles are in object space the extents there need no margin,
 //! and those in world space must reach as far as the rounded ray passes beside the exact one; and the other way round.
 
-use glam::{DAffine3, DMat3};
+use glam::DAffine3;
 
 use super::bounds::{BoxExtent, SphereExtent};
 use super::choice::{ExtentSphere, ExtentTest};
@@ -12,7 +12,8 @@ use super::cluster::PointCluster;
 use super::ray::ExtentRay;
 use super::screen::{ScreenExtent, View};
 use crate::accel::bake::object_ray;
-use crate::geometry::tolerance::{CLUSTER_ERROR, EXTENT_MOST_SKEW, object_space_error};
+use crate::accel::placement::PlacementNorms;
+use crate::geometry::tolerance::{CLUSTER_ERROR, EXTENT_MOST_SKEW};
 use crate::geometry::{Aabb, BoundingSphere, Ray};
 use crate::scene::Instance;
 
@@ -73,39 +74,6 @@ pub struct ObjectExtents {
     is_tested_in_object: bool,
 }
 
-/// Norms of a placement with an inverse.
-struct Norms {
-    own: f64,
-    inverse: f64,
-    skew: f64,
-    translation: f64,
-}
-
-impl Norms {
-    fn of(placement: &DAffine3, inverse: &DAffine3) -> Option<Self> {
-        let norm = |m: DMat3| m.to_cols_array().iter().map(|x| x * x).sum::<f64>().sqrt();
-        let own = norm(placement.matrix3);
-        let skew = own * own * own / placement.matrix3.determinant().abs();
-        (skew <= EXTENT_MOST_SKEW).then(|| Self {
-            own,
-            inverse: norm(inverse.matrix3),
-            skew,
-            translation: placement.translation.length(),
-        })
-    }
-
-    /// How far a ray that starts at a distance of `reach` from the placement's translation passes in object space beside where it should.
-    fn error(&self, object_radius: f64, reach: f64) -> f64 {
-        object_space_error(
-            self.inverse,
-            self.skew,
-            object_radius,
-            reach,
-            self.translation,
-        )
-    }
-}
-
 impl ObjectExtents {
     /// The extents of an instance whose mesh has this cluster. `reach` is how far rays that count as near start from the placement's translation
     /// at most.
@@ -119,7 +87,8 @@ impl ObjectExtents {
     ) -> Self {
         let placement = &instance.world_from_object;
         let object_from_world = instance.object_from_world();
-        let norms = object_from_world.and_then(|inverse| Norms::of(placement, &inverse));
+        let norms = object_from_world.map(|inverse| PlacementNorms::of(placement, &inverse));
+        let norms = norms.filter(|n| n.skew <= EXTENT_MOST_SKEW);
         let radius = cluster
             .hull()
             .iter()
@@ -135,14 +104,16 @@ impl ObjectExtents {
         let rounding = CLUSTER_ERROR * greatest;
         let world_margin = |reach: f64| match (&norms, is_tested_in_object) {
             (_, false) => Some(rounding),
-            (Some(norms), true) => Some(rounding + norms.own * norms.error(radius, reach)),
+            (Some(norms), true) => Some(rounding + norms.world_error(radius, reach)),
             (None, true) => None,
         };
         let in_world = world.as_ref().zip(world_margin(reach));
         let in_world = in_world.map(|(shapes, m)| Tests::new(shapes, m, is_tested_in_object));
         let object_margin = match (&norms, is_tested_in_object) {
             (_, true) => Some(0.0),
-            (Some(norms), false) => Some(norms.inverse * rounding + norms.error(radius, reach)),
+            (Some(norms), false) => {
+                Some(norms.inverse * rounding + norms.object_error(radius, reach))
+            }
             (None, false) => None,
         };
         let in_object = object_margin.map(|m| Tests::new(&object, m, !is_tested_in_object));

@@ -5,6 +5,13 @@
 
 use super::choice::{ExtentSet, ExtentTest};
 use super::cost::{CostTable, speed_ratio};
+use super::entry::{ExtentObject, limited};
+use super::ray::ExtentRay;
+use super::trace::ExtentsLoop;
+use crate::accel::TraceSet;
+use crate::accel::counters::TraceCounters;
+use crate::accel::hit::Nearest;
+use crate::geometry::Ray;
 
 /// How many sets of tests there are.
 const SETS: usize = 1 << ExtentTest::COUNT;
@@ -13,21 +20,21 @@ const SETS: usize = 1 << ExtentTest::COUNT;
 #[derive(Clone, Debug)]
 pub struct ObjectStudy {
     /// Tests that the object has.
-    pub(super) available: ExtentSet,
+    available: ExtentSet,
     /// Whether a ray that gets the full test is transformed anyway.
-    pub(super) is_tested_in_object: bool,
+    is_tested_in_object: bool,
     /// By the set of tests that admitted them: rays, and what their full tests cost together.
-    pub(super) rays: [u64; SETS],
-    pub(super) full: [f64; SETS],
+    rays: [u64; SETS],
+    full: [f64; SETS],
     /// Rays that hit the object.
     pub hits: u64,
     /// By test: planes of all rays together.
-    pub(super) planes: [u64; ExtentTest::COUNT],
-    pub(super) table: CostTable,
+    planes: [u64; ExtentTest::COUNT],
+    table: CostTable,
 }
 
 impl ObjectStudy {
-    pub(super) fn new(available: ExtentSet, is_tested_in_object: bool, table: CostTable) -> Self {
+    fn new(available: ExtentSet, is_tested_in_object: bool, table: CostTable) -> Self {
         Self {
             available,
             is_tested_in_object,
@@ -140,6 +147,55 @@ impl ObjectStudy {
             a.total_cmp(&b).then(few.cmp(&many))
         });
         best.unwrap_or_default()
+    }
+}
+
+impl ExtentsLoop {
+    /// What every combination of extents would cost on these rays, for each object. `is_closest` tells whether the nearest hit is asked for, or any.
+    pub fn study(&self, rays: &[Ray], is_closest: bool) -> Vec<ObjectStudy> {
+        let new = |object: &ExtentObject| {
+            let has = |t: &ExtentTest| object.extents.has(*t);
+            let available = ExtentTest::ALL.into_iter().filter(has).collect();
+            let in_object = object.extents.is_tested_in_object();
+            ObjectStudy::new(available, in_object, self.table)
+        };
+        let mut studies: Vec<_> = self.objects.iter().map(new).collect();
+        for ray in rays.iter().filter(|r| r.is_traceable()) {
+            let mut nearest = Nearest::of(ray);
+            let mut world = self.world_ray(ray);
+            for (object, study) in self.objects.iter().zip(&mut studies) {
+                let limited = limited(ray, nearest.limit());
+                let in_object = object.extents.object_ray(&limited);
+                let prepared = in_object.map(|ray| ExtentRay::new(&ray));
+                let mut admitted = ExtentSet::NONE;
+                for test in ExtentTest::ALL {
+                    let mut planes = 0;
+                    let extents = &object.extents;
+                    if extents.admits(test, ray, &world, prepared.as_ref(), &mut planes) {
+                        admitted = admitted.with(test);
+                    }
+                    study.planes[test.index()] += u64::from(planes);
+                }
+                let mut steps = TraceCounters::default();
+                let is_hit = match object.tested_ray(&limited, in_object) {
+                    None => false,
+                    Some(tested) if is_closest => {
+                        self.full_test(object, &tested, &mut nearest, &mut steps)
+                    }
+                    Some(tested) => self.sets[object.set as usize].any(&tested, &mut steps),
+                };
+                study.rays[admitted.number()] += 1;
+                study.full[admitted.number()] += self.table.enter + self.table.steps(&steps);
+                study.hits += u64::from(is_hit);
+                if is_hit {
+                    if !is_closest {
+                        break;
+                    }
+                    world.ray.end_at(nearest.limit());
+                }
+            }
+        }
+        studies
     }
 }
 

@@ -5,34 +5,19 @@ use glam::DVec3;
 use super::choice::{ExtentChoice, ExtentSet, ExtentTest};
 use super::cluster::PointCluster;
 use super::cost::CostTable;
+use super::entry::ExtentObject;
 use super::object::{ObjectExtents, WorldRay};
 use super::ray::ExtentRay;
-use super::study::ObjectStudy;
 use super::tally::{ExtentTally, ObjectTally};
 use super::{probe, set::MeshSet};
 use crate::accel::bake::{self, Baked, TestSpaces};
-use crate::accel::counters::{BuildStats, Counter, TraceCounters, Uncounted};
+use crate::accel::counters::{BuildStats, Counter, Uncounted};
 use crate::accel::hit::{Hit, Nearest};
 use crate::accel::normalized::NormalizedSpace;
 use crate::accel::{BuildOptions, Trace, TraceSet};
 use crate::geometry::tolerance::INSTANCE_FAR;
 use crate::geometry::{Aabb, Ray};
 use crate::scene::Scene;
-
-/// An object of the loop.
-#[derive(Clone, Debug)]
-pub struct ExtentObject {
-    /// Index of the scene's instance.
-    pub instance: u32,
-    /// Its extents.
-    pub extents: ObjectExtents,
-    /// Those that are tested.
-    pub tests: ExtentSet,
-    /// Points in the cluster of its mesh, and on its hull.
-    pub points: (usize, usize),
-    /// Which set of triangles it shows.
-    set: u32,
-}
 
 /// A loop over all objects, with their extents; within an object, a structure of its triangles.
 ///
@@ -55,10 +40,10 @@ pub struct ExtentObject {
 /// # }
 /// ```
 pub struct ExtentsLoop {
-    sets: Vec<MeshSet>,
-    objects: Vec<ExtentObject>,
+    pub(super) sets: Vec<MeshSet>,
+    pub(super) objects: Vec<ExtentObject>,
     space: NormalizedSpace,
-    table: CostTable,
+    pub(super) table: CostTable,
 }
 
 impl ExtentsLoop {
@@ -188,53 +173,6 @@ impl ExtentsLoop {
         self.objects.iter().zip(&tally.objects).map(of_object).sum()
     }
 
-    /// What every combination of extents would cost on these rays, for each object. `is_closest` tells whether the nearest hit is asked for, or any.
-    pub fn study(&self, rays: &[Ray], is_closest: bool) -> Vec<ObjectStudy> {
-        let new = |object: &ExtentObject| {
-            let has = |t: &ExtentTest| object.extents.has(*t);
-            let available = ExtentTest::ALL.into_iter().filter(has).collect();
-            let in_object = object.extents.is_tested_in_object();
-            ObjectStudy::new(available, in_object, self.table)
-        };
-        let mut studies: Vec<_> = self.objects.iter().map(new).collect();
-        for ray in rays.iter().filter(|r| r.is_traceable()) {
-            let mut nearest = Nearest::of(ray);
-            let mut world = self.world_ray(ray);
-            for (object, study) in self.objects.iter().zip(&mut studies) {
-                let limited = limited(ray, nearest.limit());
-                let in_object = object.extents.object_ray(&limited);
-                let prepared = in_object.map(|ray| ExtentRay::new(&ray));
-                let mut admitted = ExtentSet::NONE;
-                for test in ExtentTest::ALL {
-                    let mut planes = 0;
-                    let extents = &object.extents;
-                    if extents.admits(test, ray, &world, prepared.as_ref(), &mut planes) {
-                        admitted = admitted.with(test);
-                    }
-                    study.planes[test.index()] += u64::from(planes);
-                }
-                let mut steps = TraceCounters::default();
-                let is_hit = match object.tested_ray(&limited, in_object) {
-                    None => false,
-                    Some(tested) if is_closest => {
-                        self.full_test(object, &tested, &mut nearest, &mut steps)
-                    }
-                    Some(tested) => self.sets[object.set as usize].any(&tested, &mut steps),
-                };
-                study.rays[admitted.number()] += 1;
-                study.full[admitted.number()] += self.table.enter + self.table.steps(&steps);
-                study.hits += u64::from(is_hit);
-                if is_hit {
-                    if !is_closest {
-                        break;
-                    }
-                    world.ray.end_at(nearest.limit());
-                }
-            }
-        }
-        studies
-    }
-
     /// A traceable ray made ready for the tests of all objects.
     pub fn world_ray(&self, ray: &Ray) -> WorldRay {
         let distance = self.space.distance(DVec3::from(ray.origin));
@@ -245,7 +183,7 @@ impl ExtentsLoop {
     }
 
     /// The full test: offers the nearest hit of the object's triangles, and tells whether it is the nearest of all so far.
-    fn full_test<C: Counter>(
+    pub(super) fn full_test<C: Counter>(
         &self,
         object: &ExtentObject,
         ray: &Ray,
@@ -258,61 +196,6 @@ impl ExtentsLoop {
         nearest
             .hit()
             .is_some_and(|hit| hit.instance == object.instance)
-    }
-}
-
-fn limited(ray: &Ray, limit: f32) -> Ray {
-    let mut ray = *ray;
-    ray.interval.max = limit;
-    ray
-}
-
-impl ExtentObject {
-    /// The ray for the full test, given it in world space and, if it was taken there, in object space. `None` if it has left single precision.
-    fn tested_ray(&self, ray: &Ray, in_object: Option<Ray>) -> Option<Ray> {
-        if !self.extents.is_tested_in_object() {
-            return Some(*ray);
-        }
-        let ray = in_object.or_else(|| self.extents.object_ray(ray))?;
-        ray.is_traceable().then_some(ray)
-    }
-
-    /// The ray for the full test, if it passes the object's tests.
-    #[inline]
-    fn enter<C: Counter>(
-        &self,
-        number: u32,
-        ray: &Ray,
-        limit: f32,
-        world: &WorldRay,
-        counter: &mut C,
-    ) -> Option<Ray> {
-        let limited = limited(ray, limit);
-        let mut in_object = None;
-        let mut prepared = None;
-        for test in self.tests.tests() {
-            if test.is_in_object_space() && in_object.is_none() {
-                in_object = self.extents.object_ray(&limited);
-                prepared = in_object.map(|ray| ExtentRay::new(&ray));
-                counter.transform(number);
-            }
-            let mut planes = 0;
-            let extents = &self.extents;
-            let is_admitted = extents.admits(test, ray, world, prepared.as_ref(), &mut planes);
-            counter.extent(number, test, planes, is_admitted);
-            if !is_admitted {
-                return None;
-            }
-        }
-        if self.extents.is_tested_in_object() && in_object.is_none() {
-            counter.transform(number);
-        }
-        counter.enter(number);
-        let tested = self.tested_ray(&limited, in_object);
-        if tested.is_none() {
-            counter.leave(number, false);
-        }
-        tested
     }
 }
 
