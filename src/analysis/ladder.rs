@@ -8,7 +8,7 @@ use crate::accel::extents::{
     CostTable, ExtentChoice, ExtentSet, ExtentTally, ExtentTest, ExtentsLoop, MeshAccelerator,
     ObjectTally, View,
 };
-use crate::accel::{Accelerator, AcceleratorKind, BuildOptions, TraceCounters};
+use crate::accel::{Accelerator, AcceleratorKind, BuildOptions};
 use crate::geometry::{Ray, RayOrigin};
 use crate::render::{SkyMode, Stage, Surface};
 use crate::scene::Scene;
@@ -196,18 +196,7 @@ fn count(objects: &ExtentsLoop, set: &RaySet) -> (f64, ObjectTally) {
 
 /// Counted cost of the rays in a structure of the whole scene: it is entered once by each, and then takes its steps.
 fn count_whole(accelerator: &dyn Accelerator, costs: &CostTable, set: &RaySet) -> f64 {
-    let mut steps = TraceCounters::default();
-    for ray in &set.rays {
-        match set.purpose.query() {
-            Query::Closest => {
-                accelerator.closest_hit_counted(ray, &mut steps);
-            }
-            Query::Any => {
-                accelerator.any_hit_counted(ray, &mut steps);
-            }
-        }
-    }
-    costs.enter * set.rays.len() as f64 + costs.steps(&steps)
+    costs.enter * set.rays.len() as f64 + costs.steps(&measure::steps(accelerator, set))
 }
 
 /// Eye, shadow and mirror rays of the view.

@@ -42,11 +42,7 @@ pub(super) fn run(args: &InspectArgs) -> anyhow::Result<Done> {
         return inspect_extents::run(&scene, &args.extents, args.json);
     }
     let report = report(&scene, &args.models);
-    output::result(&if args.json {
-        format!("{report:#}")
-    } else {
-        text(&report)
-    })?;
+    output::report(&report, args.json, text)?;
     Ok(Done::Completely)
 }
 

@@ -95,11 +95,7 @@ pub(super) fn run(scene: &Scene, args: &InspectExtentArgs, as_json: bool) -> any
             "best_same_for_all": { "extents": best.to_string(), "cost": same(best) },
         },
     });
-    output::result(&if as_json {
-        format!("{report:#}")
-    } else {
-        text(&report)
-    })?;
+    output::report(&report, as_json, text)?;
     Ok(Done::Completely)
 }
 

@@ -3,6 +3,7 @@
 use std::io::{ErrorKind, Write};
 
 use bspray::scene::Scene;
+use serde_json::Value;
 
 /// Writes a result to standard output.
 ///
@@ -15,6 +16,22 @@ pub(super) fn result(text: &str) -> anyhow::Result<()> {
         out.write_all(b"\n")?;
     }
     Ok(out.flush()?)
+}
+
+/// Writes a report to standard output: as one JSON object, or in words.
+///
+/// # Errors
+/// As [`result`].
+pub(super) fn report(
+    report: &Value,
+    as_json: bool,
+    words: impl FnOnce(&Value) -> String,
+) -> anyhow::Result<()> {
+    result(&if as_json {
+        format!("{report:#}")
+    } else {
+        words(report)
+    })
 }
 
 /// Whether the error says that the reader of standard output has gone (`| head`), which is no failure.

@@ -48,11 +48,7 @@ pub(super) fn run(
         })).collect::<Vec<_>>(),
         "steps": { "nodes": cost.nodes, "leaves": cost.leaves, "primitives": cost.primitives, "extents": cost.extents },
     });
-    output::result(&if as_json {
-        format!("{report:#}")
-    } else {
-        text(&report)
-    })?;
+    output::report(&report, as_json, text)?;
     Ok(Done::Completely)
 }
 

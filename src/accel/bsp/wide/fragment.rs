@@ -7,7 +7,9 @@ use glam::Vec4;
 
 use crate::geometry::tolerance::{CUT_ERROR_BY_PLACE, CUT_ERROR_BY_SIZE};
 
-/// An extent: the least and greatest coordinates of a point cluster. The fourth lanes mean nothing.
+/// An extent: the least and greatest coordinates of a point cluster, the corners of a cell's fragments. The fourth lanes mean nothing.
+///
+/// No [`PointCluster`](crate::accel::extents::PointCluster): that finds hulls, which pay for points that are transformed again and again, and a box has no use for one.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Extent {
     pub(super) min: Vec4,
