@@ -81,6 +81,13 @@ impl ExtentSet {
         Self(self.0 | 1 << test.index())
     }
 
+    /// The set less a test.
+    #[must_use]
+    #[inline]
+    pub const fn without(self, test: ExtentTest) -> Self {
+        Self(self.0 & !(1 << test.index()))
+    }
+
     /// Whether the test is in the set.
     #[inline]
     pub const fn has(self, test: ExtentTest) -> bool {

@@ -1,6 +1,6 @@
 //! An object of the loop: which of its extents are asked, and the ray with which its triangles are.
 
-use super::choice::ExtentSet;
+use super::choice::{ExtentSet, ExtentTest};
 use super::object::{ObjectExtents, WorldRay};
 use super::ray::ExtentRay;
 use crate::accel::counters::Counter;
@@ -44,7 +44,12 @@ impl ExtentObject {
         let limited = limited(ray, limit);
         let mut in_object = None;
         let mut prepared = None;
-        for test in self.tests.tests() {
+        let tests = if world.has_pixel {
+            self.tests
+        } else {
+            self.tests.without(ExtentTest::Screen)
+        };
+        for test in tests.tests() {
             if test.is_in_object_space() && in_object.is_none() {
                 in_object = self.extents.object_ray(&limited);
                 prepared = in_object.map(|ray| ExtentRay::new(&ray));

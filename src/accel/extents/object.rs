@@ -191,4 +191,6 @@ pub struct WorldRay {
     pub ray: ExtentRay,
     /// Whether it starts near the scene, so that the margins for rounding in object space hold.
     pub is_near: bool,
+    /// Whether it is an eye ray, which alone is asked for its pixel: others pay nothing for screen extents.
+    pub has_pixel: bool,
 }

@@ -158,15 +158,17 @@ impl ScreenExtent {
         side(self.left, self.right) * side(self.top, self.bottom)
     }
 
-    /// Whether the ray may hit what is in the extent. Rays that are not eye rays always may, and so do those that go backwards too.
+    /// Whether screen extents can tell anything of the ray: it is an eye ray that does not go backwards too.
+    #[inline]
+    pub fn asks(ray: &Ray) -> bool {
+        ray.source.pixel.is_some() && ray.source.depth == 0 && ray.interval.min >= 0.0
+    }
+
+    /// Whether the ray may hit what is in the extent. Rays of which it can tell nothing always may.
     #[inline]
     pub fn admits(&self, ray: &Ray) -> bool {
-        match ray.source.pixel {
-            Some((column, row)) if ray.source.depth == 0 && ray.interval.min >= 0.0 => {
-                self.contains(column, row)
-            }
-            _ => true,
-        }
+        let pixel = ray.source.pixel.filter(|_| Self::asks(ray));
+        pixel.is_none_or(|(column, row)| self.contains(column, row))
     }
 }
 

@@ -16,6 +16,35 @@ use crate::geometry::Ray;
 /// How many sets of tests there are.
 const SETS: usize = 1 << ExtentTest::COUNT;
 
+/// Rays at one object, by the set of tests that admitted them.
+#[derive(Clone, Copy, Debug)]
+struct Rays {
+    count: [u64; SETS],
+    /// What their full tests cost together.
+    full: [f64; SETS],
+}
+
+impl Default for Rays {
+    fn default() -> Self {
+        Self {
+            count: [0; SETS],
+            full: [0.0; SETS],
+        }
+    }
+}
+
+impl Rays {
+    fn total(&self) -> u64 {
+        self.count.iter().sum()
+    }
+}
+
+/// The place of rays with a pixel among both kinds.
+const WITH_PIXEL: usize = 0;
+
+/// The place of all others.
+const OTHERS: usize = 1;
+
 /// What some rays did at one object.
 #[derive(Clone, Debug)]
 pub struct ObjectStudy {
@@ -23,9 +52,8 @@ pub struct ObjectStudy {
     available: ExtentSet,
     /// Whether a ray that gets the full test is transformed anyway.
     is_tested_in_object: bool,
-    /// By the set of tests that admitted them: rays, and what their full tests cost together.
-    rays: [u64; SETS],
-    full: [f64; SETS],
+    /// Rays with a pixel, and others.
+    kinds: [Rays; 2],
     /// Rays that hit the object.
     pub hits: u64,
     /// By test: planes of all rays together.
@@ -38,8 +66,7 @@ impl ObjectStudy {
         Self {
             available,
             is_tested_in_object,
-            rays: [0; SETS],
-            full: [0.0; SETS],
+            kinds: [Rays::default(); 2],
             hits: 0,
             planes: [0; ExtentTest::COUNT],
             table,
@@ -48,9 +75,11 @@ impl ObjectStudy {
 
     /// Adds what the rays of another study did at the same object.
     pub fn add(&mut self, other: &Self) {
-        for set in 0..SETS {
-            self.rays[set] += other.rays[set];
-            self.full[set] += other.full[set];
+        for (rays, more) in self.kinds.iter_mut().zip(&other.kinds) {
+            for set in 0..SETS {
+                rays.count[set] += more.count[set];
+                rays.full[set] += more.full[set];
+            }
         }
         for (sum, planes) in self.planes.iter_mut().zip(&other.planes) {
             *sum += planes;
@@ -60,7 +89,7 @@ impl ObjectStudy {
 
     /// Rays that were looked at.
     pub fn rays(&self) -> u64 {
-        self.rays.iter().sum()
+        self.kinds.iter().map(Rays::total).sum()
     }
 
     /// Whether the object has the extent.
@@ -71,7 +100,8 @@ impl ObjectStudy {
     /// Rays that reach an extent.
     pub fn admitted(&self, test: ExtentTest) -> u64 {
         let sets = ExtentSet::all().filter(|s| s.has(test));
-        sets.map(|s| self.rays[s.number()]).sum()
+        let rays = |s: ExtentSet| self.kinds.iter().map(move |rays| rays.count[s.number()]);
+        sets.flat_map(rays).sum()
     }
 
     /// The lecture's `f`: the share of rays that reach an extent; 0 without rays.
@@ -79,8 +109,12 @@ impl ObjectStudy {
         self.admitted(test) as f64 / self.rays().max(1) as f64
     }
 
-    /// The lecture's `T`: the mean cost of a test, with the transformation where that is for this test only.
+    /// The lecture's `T`: the mean cost of a test, with the transformation where that is for this test only. Rays that have no pixel pay nothing for a screen extent.
     pub fn test_cost(&self, test: ExtentTest) -> f64 {
+        if test == ExtentTest::Screen {
+            let asked = self.kinds[WITH_PIXEL].total() as f64;
+            return self.table.screen * asked / self.rays().max(1) as f64;
+        }
         let planes = self.planes[test.index()] as f64 / self.rays().max(1) as f64;
         let transform = if test.is_in_object_space() {
             self.table.transform
@@ -97,9 +131,17 @@ impl ObjectStudy {
 
     /// The mean cost of a ray with these tests, and with the full test for those that pass them all.
     pub fn cost(&self, set: ExtentSet) -> f64 {
+        let [with_pixel, other] = &self.kinds;
+        let total =
+            self.cost_of(with_pixel, set) + self.cost_of(other, set.without(ExtentTest::Screen));
+        total / self.rays().max(1) as f64
+    }
+
+    /// What all rays of one kind cost together.
+    fn cost_of(&self, kind: &Rays, set: ExtentSet) -> f64 {
         let mut total = 0.0;
         for admitted in ExtentSet::all() {
-            let rays = self.rays[admitted.number()] as f64;
+            let rays = kind.count[admitted.number()] as f64;
             let (mut is_transformed, mut passes) = (false, true);
             for test in set.tests() {
                 if test.is_in_object_space() && !is_transformed {
@@ -114,13 +156,13 @@ impl ObjectStudy {
                 }
             }
             if passes {
-                total += self.full[admitted.number()];
+                total += kind.full[admitted.number()];
                 if self.is_tested_in_object && !is_transformed {
                     total += rays * self.table.bare_transform;
                 }
             }
         }
-        total / self.rays().max(1) as f64
+        total
     }
 
     /// The lecture's prediction for one extent, from `m` and `f` alone.
@@ -184,8 +226,10 @@ impl ExtentsLoop {
                     }
                     Some(tested) => self.sets[object.set as usize].any(&tested, &mut steps),
                 };
-                study.rays[admitted.number()] += 1;
-                study.full[admitted.number()] += self.table.enter + self.table.steps(&steps);
+                let kind = if world.has_pixel { WITH_PIXEL } else { OTHERS };
+                let rays = &mut study.kinds[kind];
+                rays.count[admitted.number()] += 1;
+                rays.full[admitted.number()] += self.table.enter + self.table.steps(&steps);
                 study.hits += u64::from(is_hit);
                 if is_hit {
                     if !is_closest {
@@ -210,11 +254,12 @@ mod tests {
         let mut study = ObjectStudy::new(all, false, table);
         let sphere = ExtentSet::NONE.with(ExtentTest::SphereWorld);
         let both = sphere.with(ExtentTest::BoxWorld);
-        study.rays[0] = 1000 - in_sphere;
-        study.rays[sphere.number()] = in_sphere - in_box;
-        study.rays[both.number()] = in_box;
+        let rays = &mut study.kinds[OTHERS];
+        rays.count[0] = 1000 - in_sphere;
+        rays.count[sphere.number()] = in_sphere - in_box;
+        rays.count[both.number()] = in_box;
         for set in 0..SETS {
-            study.full[set] = full * study.rays[set] as f64;
+            rays.full[set] = full * rays.count[set] as f64;
         }
         study.planes[ExtentTest::BoxWorld.index()] = 3000;
         study
@@ -230,6 +275,27 @@ mod tests {
         assert!((study.predicted(test) - 40.0 / 3.0).abs() < 1e-9);
         let alone = ExtentSet::NONE.with(test);
         assert!((study.gain(alone) - study.predicted(test)).abs() < 1e-9);
+    }
+
+    #[test]
+    fn screen_extents_cost_only_rays_that_have_a_pixel() {
+        let screen = ExtentSet::NONE.with(ExtentTest::Screen);
+        let mut study = study(96.0, 25, 10);
+        // Now half of the thousand rays have a pixel, of which the extent admits forty.
+        let [with_pixel, others] = &mut study.kinds;
+        others.count = [0; SETS];
+        others.count[screen.number()] = 500;
+        with_pixel.count[0] = 460;
+        with_pixel.count[screen.number()] = 40;
+        for rays in [with_pixel, others] {
+            for set in 0..SETS {
+                rays.full[set] = 96.0 * rays.count[set] as f64;
+            }
+        }
+        let test = study.table.screen;
+        assert!((study.cost(screen) - (0.5 * test + 0.54 * 96.0)).abs() < 1e-9);
+        assert!((study.share(ExtentTest::Screen) - 0.54).abs() < 1e-12);
+        assert!((study.predicted(ExtentTest::Screen) - study.gain(screen)).abs() < 1e-9);
     }
 
     #[test]

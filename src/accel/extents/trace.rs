@@ -8,6 +8,7 @@ use super::cost::CostTable;
 use super::entry::ExtentObject;
 use super::object::{ObjectExtents, WorldRay};
 use super::ray::ExtentRay;
+use super::screen::ScreenExtent;
 use super::tally::{ExtentTally, ObjectTally};
 use super::{probe, set::MeshSet};
 use crate::accel::bake::{self, Baked, TestSpaces};
@@ -179,6 +180,7 @@ impl ExtentsLoop {
         WorldRay {
             ray: ExtentRay::new(ray),
             is_near: self.space.length(distance) <= INSTANCE_FAR,
+            has_pixel: ScreenExtent::asks(ray),
         }
     }
 
