@@ -209,7 +209,6 @@ fn in_words(faults: &Faults) -> Option<String> {
 }
 
 fn on_set(name: &str, set: &SetReport, method: &MethodOnSet) -> Value {
-    let spread = |s: Spread| json!({ "median": s.median, "first_quartile": s.lower, "third_quartile": s.upper });
     let [nodes, leaves, triangles] = per_ray(set, method);
     let faults = method.faults;
     json!({
@@ -254,4 +253,9 @@ fn answer(answer: &Answer) -> Value {
             |h| json!({ "t": number(h.t), "instance": h.instance, "triangle": h.triangle }),
         ),
     }
+}
+
+/// Median and quartiles.
+pub(super) fn spread(s: Spread) -> Value {
+    json!({ "median": s.median, "first_quartile": s.lower, "third_quartile": s.upper })
 }

@@ -10,6 +10,7 @@ use serde_json::{Value, json};
 
 use super::bsp_args::BspArgs;
 use super::camera_args::{self, CameraArgs};
+use super::compare_report::spread;
 use super::{Done, extent_args, output, values};
 
 /// Arguments of `bspray ladder`.
@@ -87,8 +88,8 @@ pub(super) fn run(args: &LadderArgs) -> anyhow::Result<Done> {
 fn on_rays(kind: &str, rays: &StepOnRays) -> Value {
     json!({
         "kind": kind,
-        "rays_per_second": rays.speed.map(|s| s.rays_per_second.median),
-        "ratio_to_first": rays.speed.map(|s| s.ratio_to_first.median),
+        "rays_per_second": rays.speed.map(|s| spread(s.rays_per_second)),
+        "speed_ratio_to_first": rays.speed.map(|s| spread(s.ratio_to_first)),
         "counted_cost": rays.cost,
         "outcomes": rays.tally.as_ref().map(tally),
     })
@@ -106,22 +107,23 @@ pub(super) fn tally(tally: &ObjectTally) -> Value {
         "nodes": steps.nodes, "leaves": steps.leaves, "primitives": steps.primitives })
 }
 
-/// Columns of each kind of rays: nanoseconds a ray, how many times faster than the first step, and the same by counted cost.
+/// Columns of each kind of rays: nanoseconds a ray, how many times faster than the first step (median and half the distance of the quartiles), and the same by counted cost.
 fn table(ladder: &Ladder) -> String {
     let mut out = format!("{:<38}", "");
     for (kind, count) in &ladder.kinds {
-        let _ = write!(out, "{:>33}", format!("{count} {kind} rays"));
+        let _ = write!(out, "{:>38}", format!("{count} {kind} rays"));
     }
     let _ = write!(out, "\n{:<38}", "step");
     for _ in &ladder.kinds {
-        let _ = write!(out, "{:>13}{:>10}{:>10}", "ns/ray", "faster", "counted");
+        let _ = write!(out, "{:>10}{:>18}{:>10}", "ns/ray", "faster", "counted");
     }
     for step in &ladder.steps {
         let _ = write!(out, "\n{:<38}", step.name);
         for (kind, rays) in step.rays.iter().enumerate() {
             let (time, ratio) = rays.speed.map_or(("-".into(), "-".into()), |s| {
-                let (speed, ratio) = (s.rays_per_second.median, s.ratio_to_first.median);
-                (format!("{:.0}", 1e9 / speed), format!("{ratio:.2}"))
+                let (speed, ratio) = (s.rays_per_second.median, s.ratio_to_first);
+                let ratio = format!("{:.2} ± {:.2}", ratio.median, ratio.half_width());
+                (format!("{:.0}", 1e9 / speed), ratio)
             });
             let first = ladder.steps[0].rays[kind].cost;
             let counted = if rays.cost > 0.0 {
@@ -129,7 +131,7 @@ fn table(ladder: &Ladder) -> String {
             } else {
                 "-".into()
             };
-            let _ = write!(out, "{time:>13}{ratio:>10}{counted:>10}");
+            let _ = write!(out, "{time:>10}{ratio:>18}{counted:>10}");
         }
     }
     out + "\n"
