@@ -19,6 +19,7 @@ mod smallest;
 mod study;
 mod tally;
 mod trace;
+mod viewed;
 
 pub use bounds::{BoxExtent, SphereExtent};
 pub use choice::{ExtentChoice, ExtentSet, ExtentSphere, ExtentTest, MeshAccelerator};
@@ -30,3 +31,4 @@ pub use screen::{ScreenExtent, View};
 pub use study::ObjectStudy;
 pub use tally::{ExtentTally, ObjectTally, TestTally};
 pub use trace::{ExtentObject, ExtentsLoop};
+pub use viewed::viewed_extents;
