@@ -13,7 +13,7 @@ use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 
 use super::EDGE_COLOR;
-use super::canvas::{Canvas, line_coverage, nearest_share};
+use super::canvas::{Canvas, line_coverage, nearest};
 use super::screen_map::ScreenMap;
 use crate::accel::extents::View;
 use crate::render::integrator::first_visible;
@@ -27,7 +27,7 @@ const TILE: u32 = 32;
 const FULL_HEIGHT: f64 = 5.0;
 
 /// Opacity of the lines of the smallest triangles.
-const LEAST_OPACITY: f64 = 0.2;
+const LEAST_OPACITY: f64 = 0.12;
 
 /// Draws the edges in the window of a canvas. Rays are sent for its pixels and for those around it, also beyond the picture, so that a crop shows the same.
 pub(super) fn draw(
@@ -182,9 +182,8 @@ fn line_opacity(
 ) -> f64 {
     let mut most = 0.0_f64;
     for (ends, places) in drawn.edges.iter().flatten() {
-        let share = nearest_share(*places, place);
-        let nearest = places[0].lerp(places[1], share);
-        let opacity = drawn.opacity * line_coverage(nearest.distance(place), width);
+        let (share, point) = nearest(*places, place);
+        let opacity = drawn.opacity * line_coverage(point.distance(place), width);
         if opacity <= most {
             continue;
         }
@@ -194,9 +193,161 @@ fn line_opacity(
         } else {
             ends[0].z + (ends[1].z - ends[0].z) * share
         };
-        if !other.is_some_and(|other| other.hides(map, nearest, depth)) {
+        if !other.is_some_and(|other| other.hides(map, point, depth)) {
             most = opacity;
         }
     }
     most
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::screen_map::tests::{PARALLEL, PERSPECTIVE, SIZE, frame};
+    use super::*;
+    use crate::accel::AcceleratorKind;
+    use crate::render::SkyMode;
+    use crate::scene::{Instance, Material, Part, Projection, Scene, TriangleMesh};
+    use glam::{DAffine3, Vec3};
+
+    /// A large triangle, and behind it another that reaches out from behind it on one side.
+    fn scene() -> Scene {
+        let mesh = TriangleMesh {
+            positions: vec![
+                Vec3::new(-1.5, -0.5, 0.0),
+                Vec3::new(2.0, 0.2, 0.3),
+                Vec3::new(0.2, 2.7, -0.5),
+                Vec3::new(0.0, 0.5, -3.0),
+                Vec3::new(4.5, 0.9, -2.0),
+                Vec3::new(0.7, 1.6, -2.5),
+            ],
+            triangles: vec![[0, 1, 2], [3, 4, 5]],
+            parts: vec![Part {
+                first_triangle: 0,
+                triangle_count: 2,
+                material: 0,
+            }],
+            ..TriangleMesh::default()
+        };
+        Scene {
+            meshes: vec![mesh],
+            instances: vec![Instance::new("two", 0, DAffine3::IDENTITY)],
+            materials: vec![Material::default()],
+            ..Scene::default()
+        }
+    }
+
+    fn drawn(projection: Projection, window: PixelRect) -> Vec<f32> {
+        let scene = scene();
+        let accelerator = AcceleratorKind::Linear.build(&scene);
+        let stage = Stage::new(&scene, &*accelerator, Vec3::Y, SkyMode::On);
+        let view = View {
+            camera: frame(projection),
+            size: SIZE,
+            filter_radius: 0.5,
+        };
+        let map = ScreenMap::new(&view.camera, SIZE);
+        let mut canvas = Canvas::new(window);
+        draw(&mut canvas, &stage, &map, &view, window, 1.0);
+        canvas.into_pixels().iter().map(|p| p[3]).collect()
+    }
+
+    const WHOLE: PixelRect = PixelRect {
+        x: 0,
+        y: 0,
+        width: SIZE.0,
+        height: SIZE.1,
+    };
+
+    /// Where many points of the edges fall that are seen: nothing of the scene is before them, by `linear` and a margin that is neither's rounding.
+    fn visible_points(projection: Projection) -> Vec<DVec2> {
+        let scene = scene();
+        let accelerator = AcceleratorKind::Linear.build(&scene);
+        let camera = frame(projection);
+        let map = ScreenMap::new(&camera, SIZE);
+        let mut places = Vec::new();
+        for triangle in 0..2 {
+            let [a, b, c] = *scene.meshes[0].triangle(triangle).corners();
+            for [from, to] in [[a, b], [b, c], [c, a]] {
+                for i in 0..=4000 {
+                    let point = from.lerp(to, i as f32 / 4000.0);
+                    let place = map.place(map.seen(point));
+                    let ray = camera.ray(place.x, place.y, None);
+                    let far = (point - ray.origin).dot(ray.direction);
+                    if accelerator
+                        .closest_hit(&ray)
+                        .is_none_or(|h| h.t > far - 0.01)
+                    {
+                        places.push(place);
+                    }
+                }
+            }
+        }
+        places
+    }
+
+    #[test]
+    fn lines_are_where_edges_are_seen_and_nowhere_else() {
+        for projection in [PERSPECTIVE, PARALLEL] {
+            let points = visible_points(projection);
+            let found = drawn(projection, WHOLE);
+            let map = ScreenMap::new(&frame(projection), SIZE);
+            let corners = scene().meshes[0].positions.clone();
+            let corners: Vec<DVec2> = corners.iter().map(|p| map.place(map.seen(*p))).collect();
+            let mut inked = 0;
+            for ((x, y), alpha) in WHOLE.pixels().zip(&found) {
+                let center = DVec2::new(f64::from(x), f64::from(y)) + 0.5;
+                let nearest = points.iter().map(|p| p.distance(center));
+                let distance = nearest.fold(f64::INFINITY, f64::min);
+                let want = line_coverage(distance, 1.0) as f32;
+                // The points of a line that goes behind the large triangle end there; the line may go on for a pixel.
+                assert!(
+                    *alpha <= want + 0.02 || distance < 2.0,
+                    "{x} {y}: {alpha}, {distance}"
+                );
+                // No pixel's centre may lie in the tip of a triangle.
+                let is_tip = corners.iter().any(|c| c.distance(center) < 3.0);
+                assert!(
+                    *alpha >= want - 0.02 || is_tip,
+                    "{x} {y}: {alpha} instead of {want}"
+                );
+                inked += u32::from(*alpha > want + 0.02);
+            }
+            assert!(inked < 8, "{inked} pixels beyond the ends of hidden lines");
+        }
+    }
+
+    #[test]
+    fn a_crop_across_tiles_shows_the_same() {
+        let crop = PixelRect {
+            x: 101,
+            y: 53,
+            width: 90,
+            height: 71,
+        };
+        let whole = WHOLE.pixels().zip(drawn(PERSPECTIVE, WHOLE));
+        let cut = whole.filter(|((x, y), _)| (101..191).contains(x) && (53..124).contains(y));
+        let cut: Vec<f32> = cut.map(|(_, alpha)| alpha).collect();
+        assert!(cut.iter().filter(|a| **a > 0.0).count() > 100);
+        assert_eq!(drawn(PERSPECTIVE, crop), cut);
+    }
+
+    #[test]
+    fn lines_of_small_triangles_are_faint() {
+        let map = ScreenMap::new(&frame(PARALLEL), SIZE);
+        let opacity = |size: f64| {
+            let corners = [
+                DVec3::Z,
+                DVec3::new(3.0 * size, 0.0, 2.0),
+                DVec3::new(size, size, 1.0),
+            ];
+            Drawn::new(&map, corners).with_opacity(&map, 1.0).opacity
+        };
+        // 200 pixels show a height of 7: the height of the triangle is `size` times that, above its longest edge.
+        let pixels = 7.0 / 200.0;
+        assert_eq!(
+            (opacity(0.01 * pixels), opacity(9.0 * pixels)),
+            (LEAST_OPACITY, 1.0)
+        );
+        assert!((opacity(2.5 * pixels) - 0.5).abs() < 1e-9);
+    }
 }

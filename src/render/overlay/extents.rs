@@ -16,7 +16,7 @@ use crate::accel::extents::{ObjectExtents, ScreenExtent};
 use crate::geometry::Aabb;
 
 /// How dark the seam beside each line is, which keeps it readable on a picture of its own colour.
-const SEAM_OPACITY: f32 = 0.45;
+const SEAM_OPACITY: f32 = 0.6;
 
 /// Pixels between a plate's border and its text, at a scale of 1.
 const PADDING: u32 = 3;

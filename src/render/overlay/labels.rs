@@ -3,7 +3,7 @@
 use crate::accel::extents::ScreenExtent;
 
 /// Share of the picture that names may hide, all together. Where they would hide more, the names of the smallest objects are left out.
-const MOST_HIDDEN: f64 = 0.125;
+const MOST_HIDDEN: f64 = 0.0625;
 
 /// A rectangle, given by its left, top, right and bottom edges, in pixels from the picture's top left corner.
 pub(super) type Frame = [i64; 4];
@@ -112,7 +112,7 @@ mod tests {
         let found: Vec<&Frame> = places.iter().flatten().collect();
         assert!(found.len() > 10);
         let area: i64 = found.iter().map(|f| (f[2] - f[0]) * (f[3] - f[1])).sum();
-        assert!(area <= 320 * 240 / 8);
+        assert!(area <= 320 * 240 / 16);
         for (i, a) in found.iter().enumerate() {
             assert!(
                 a[0] >= 0 && a[1] >= 0 && a[2] <= 320 && a[3] <= 240,

@@ -5,7 +5,7 @@
 
 use glam::{DVec2, DVec3};
 
-use super::canvas::nearest_share;
+use super::canvas::nearest;
 use super::screen_map::ScreenMap;
 use crate::geometry::BoundingSphere;
 
@@ -77,7 +77,7 @@ fn add_arc(
     }
     let is_flat = || {
         let [a, m, b] = points.map(|p| map.place(p));
-        a.lerp(b, nearest_share([a, b], m)).distance(m) <= FLATNESS
+        nearest([a, b], m).1.distance(m) <= FLATNESS
     };
     if halvings == 0 || (ahead == [true; 3] && is_flat()) {
         segments.extend(map.segment([points[0], points[2]]));
@@ -149,10 +149,8 @@ mod tests {
                     (a.y <= y) != (b.y <= y) && a.x + (b.x - a.x) * (y - a.y) / (b.y - a.y) < x
                 };
                 let is_inside = found.iter().filter(crosses).count() % 2 == 1;
-                let near = found.iter().map(|s| {
-                    let place = DVec2::new(x, y);
-                    s[0].lerp(s[1], nearest_share(*s, place)).distance(place)
-                });
+                let place = DVec2::new(x, y);
+                let near = found.iter().map(|s| nearest(*s, place).1.distance(place));
                 if near.fold(f64::INFINITY, f64::min) > 0.1 {
                     let hits = distance(&camera.ray(x, y, None), center) <= f64::from(radius);
                     assert_eq!(is_inside, hits, "{x} {y}");
