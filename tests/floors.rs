@@ -24,6 +24,7 @@ const HOMES: &[(&str, &str)] = &[
     ("tobj", "import/obj/"),
     ("gltf", "import/gltf/"),
     ("earcut", "import/obj/"),
+    ("noto_sans_mono_bitmap", "render/overlay/text.rs"),
     ("clap", "cli/"),
     ("rustix", "analysis/clock.rs"),
 ];

@@ -23,13 +23,10 @@ struct Golden {
 }
 
 /// Arguments of every golden picture.
-const ARGS: [&str; 5] = [
-    "--resolution=64x64",
-    "--spp=16",
-    "--seed=0",
-    "--filter=box",
-    "--quiet",
-];
+const ARGS: [&str; 4] = ["--spp=16", "--seed=0", "--filter=box", "--quiet"];
+
+/// Of those that say nothing else.
+const RESOLUTION: &str = "--resolution=64x64";
 
 const OBJECTS: [&str; 4] = [
     "--camera-position=0.6,3,9.2",
@@ -50,7 +47,7 @@ const BLOCK: [&str; 4] = [
     "--camera-view-angle=30",
 ];
 
-const GOLDEN: [Golden; 8] = [
+const GOLDEN: [Golden; 10] = [
     Golden {
         name: "lecture-block",
         model: "lecture-block.obj",
@@ -137,12 +134,51 @@ const GOLDEN: [Golden; 8] = [
         ],
         layers: &PARTITION,
     },
+    // A part with a name, with outlines of all kinds, and of the legend.
+    Golden {
+        name: "lecture-objects-overlay-extents",
+        model: "lecture-objects.gltf",
+        args: &[
+            OBJECTS[0],
+            OBJECTS[1],
+            OBJECTS[2],
+            OBJECTS[3],
+            "--resolution=400x300",
+            "--pixelbounds=30,170,130,290",
+            "--overlay=extents",
+        ],
+        layers: &["overlay"],
+    },
+    Golden {
+        name: "lecture-objects-overlay-edges",
+        model: "lecture-objects.gltf",
+        args: &[
+            OBJECTS[0],
+            OBJECTS[1],
+            OBJECTS[2],
+            OBJECTS[3],
+            "--resolution=400x300",
+            "--pixelbounds=150,270,90,210",
+            "--overlay=edges",
+        ],
+        layers: &["overlay"],
+    },
 ];
 
 impl Golden {
     fn reference(&self) -> PathBuf {
         let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/golden");
         folder.join(format!("{}.exr", self.name))
+    }
+
+    fn args(&self) -> Vec<&'static str> {
+        let has_own = self.args.iter().any(|a| a.starts_with("--resolution="));
+        let resolution = (!has_own).then_some(RESOLUTION);
+        resolution
+            .into_iter()
+            .chain(ARGS)
+            .chain(self.args.iter().copied())
+            .collect()
     }
 
     /// The picture, without what differs from run to run (attributes) and from machine to machine (counts of steps).
@@ -155,8 +191,7 @@ impl Golden {
             .current_dir(folder.path())
             .arg("render")
             .arg(model)
-            .args(ARGS)
-            .args(self.args)
+            .args(self.args())
             .args(["-o", "picture.exr"])
             .output()
             .expect("the program starts");
@@ -167,7 +202,7 @@ impl Golden {
             layer != "cost" && (self.layers.is_empty() || self.layers.contains(&layer))
         });
         // How to make it again.
-        let command = [&["bspray render", self.model][..], &ARGS, self.args].concat();
+        let command = [vec!["bspray render", self.model], self.args()].concat();
         let attribute = Attribute::Text(command.join(" "));
         picture.attributes = BTreeMap::from([("bspray/commandLine".to_owned(), attribute)]);
         picture

@@ -108,7 +108,7 @@ fn options(args: &CompareArgs) -> anyhow::Result<CompareOptions> {
     } else {
         args.accel.clone()
     };
-    args.extents.check(&kinds)?;
+    args.extents.check(&kinds, false)?;
     Ok(CompareOptions {
         kinds,
         build: args.bsp.options(args.seed),

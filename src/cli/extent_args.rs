@@ -40,11 +40,14 @@ impl ExtentArgs {
         }
     }
 
-    /// Refuses options that no structure would look at.
-    pub(super) fn check(&self, kinds: &[AcceleratorKind]) -> anyhow::Result<()> {
+    /// Refuses options that no structure would look at, nor a drawing of extents.
+    pub(super) fn check(&self, kinds: &[AcceleratorKind], are_drawn: bool) -> anyhow::Result<()> {
         let given = [
             ("--extents", self.extents.is_some()),
-            ("--extent-sphere", self.extent_sphere.is_some()),
+            (
+                "--extent-sphere",
+                self.extent_sphere.is_some() && !are_drawn,
+            ),
             ("--mesh-accel", self.mesh_accel.is_some()),
         ];
         let unused = given.iter().find(|(_, is_given)| *is_given);

@@ -6,17 +6,17 @@ use std::time::Instant;
 use anyhow::{Context, bail};
 use bspray::accel::AcceleratorKind;
 use bspray::accel::bsp::polygon::SceneTrees;
-use bspray::picture::{Raster, RasterPixels, ToneMap, exposure_factor, exr, ldr, srgb};
-use bspray::render::{
-    self, Film, Integrator, PixelFilter, PixelRect, RenderOptions, SkyMode, Stage,
-};
+use bspray::picture::{exr, ldr};
+use bspray::render::{self, Integrator, PixelFilter, PixelRect, RenderOptions, SkyMode, Stage};
 use bspray::scene::Scene;
 use clap::{Args, ValueEnum};
 
 use super::bsp_args::{self, BspArgs};
 use super::camera_args::{self, CameraArgs};
+use super::display::DisplayArgs;
 use super::extent_args::ExtentArgs;
 use super::files::{self, OutputKind};
+use super::overlay_args::OverlayArgs;
 use super::summary::{RenderSummary, Seconds};
 use super::values::{self, CropWindow, PixelBounds};
 use super::{Done, UsageError, metadata, output, pixel, progress};
@@ -78,20 +78,10 @@ pub(super) struct RenderArgs {
     /// Render a part of the picture, given in pixels
     #[arg(long, value_name = "X0,X1,Y0,Y1", help_heading = "Crop")]
     pixelbounds: Option<PixelBounds>,
-    /// From radiance to display light, for PNG and JPEG: pbr-neutral, aces, reinhard or clip [default: pbr-neutral, and
-    /// clip for the integrators that do not compute light]
-    #[arg(long, value_name = "NAME", help_heading = "Display")]
-    tonemap: Option<ToneMap>,
-    /// Brightness of PNG and JPEG, in stops
-    #[arg(
-        long,
-        value_name = "STOPS",
-        default_value_t = 0.0,
-        value_parser = values::finite,
-        allow_hyphen_values = true,
-        help_heading = "Display"
-    )]
-    exposure: f32,
+    #[command(flatten)]
+    display: DisplayArgs,
+    #[command(flatten)]
+    overlay: OverlayArgs,
     /// Print everything about one pixel's rays instead of rendering
     #[arg(long, value_name = "X,Y", value_parser = values::pixel, help_heading = "Reports")]
     pixel: Option<(u32, u32)>,
@@ -150,7 +140,9 @@ pub(super) fn run(args: &RenderArgs) -> anyhow::Result<Done> {
         let words = "--bsp-layers: only .exr files have layers: add one with --output";
         bail!(UsageError(words.to_owned()));
     }
-    args.extents.check(&[args.accel])?;
+    args.extents
+        .check(&[args.accel], args.overlay.shows_extents())?;
+    args.overlay.check(args.pixel.is_some())?;
     let window = window(args)?;
 
     let started = Instant::now();
@@ -230,14 +222,26 @@ pub(super) fn run(args: &RenderArgs) -> anyhow::Result<Done> {
         output::message("interrupted before there was a picture; nothing is written");
         return Ok(Done::Partially);
     }
+    let overlay = pool.install(|| {
+        let sphere = build_options.sphere;
+        args.overlay.draw(&stage, &view, window, sphere)
+    });
+    let note = overlay.as_ref().and_then(|o| args.overlay.note(&o.report));
+    if let Some(note) = note.filter(|_| !args.quiet) {
+        output::message(&note);
+    }
     // One output that cannot be written does not take the others with it.
     let mut failures = outputs.iter().filter_map(|(path, kind)| {
         let written = pool.install(|| match kind {
-            OutputKind::Exr => exr::write(
-                path,
-                &metadata::add(render::layers(&film, &frame), &summary),
-            ),
-            OutputKind::Display => ldr::write(path, &display(args, &film, &options)),
+            OutputKind::Exr => {
+                let layers = render::layers(&film, &frame);
+                let layers = overlay.iter().fold(layers, |layers, o| o.add_to(layers));
+                exr::write(path, &metadata::add(layers, &summary))
+            }
+            OutputKind::Display => {
+                let raster = args.display.raster(&film, integrator, overlay.as_ref());
+                ldr::write(path, &raster)
+            }
         });
         written.err()
     });
@@ -312,31 +316,6 @@ fn integrator(args: &RenderArgs, scene: &Scene) -> Integrator {
         IntegratorName::Fragment => Integrator::Fragment,
         IntegratorName::BspDepth => Integrator::BspDepth,
     }
-}
-
-/// The film as people see it. Normals are numbers, not light, and are stored as they are.
-fn display(args: &RenderArgs, film: &Film, options: &RenderOptions) -> Raster {
-    let is_light = matches!(options.integrator, Integrator::Direct);
-    let tonemap = args.tonemap.unwrap_or(if is_light {
-        ToneMap::PbrNeutral
-    } else {
-        ToneMap::Clip
-    });
-    let factor = exposure_factor(args.exposure);
-    let pixels = film.map(|sum, _| {
-        let mean = sum.mean();
-        tonemap.apply(((mean.color + mean.backdrop) * factor).to_array())
-    });
-    let (width, height) = (film.window.width, film.window.height);
-    if matches!(options.integrator, Integrator::Normals) {
-        let pixels = RasterPixels::Rgb(pixels.iter().map(|c| c.map(srgb::unit_to_u8)).collect());
-        return Raster {
-            width,
-            height,
-            pixels,
-        };
-    }
-    Raster::from_rgb(width, height, &pixels)
 }
 
 /// Says what a scene holds, in one line.

@@ -40,6 +40,22 @@ impl PixelRect {
         } = *self;
         (y..y + height).flat_map(move |row| (x..x + width).map(move |column| (column, row)))
     }
+
+    /// The rectangle in squares with an edge of `size` pixels, row by row; those on the right and at the bottom may be smaller.
+    pub(super) fn tiles(&self, size: u32) -> Vec<Self> {
+        let mut tiles = Vec::new();
+        for y in (0..self.height).step_by(size as usize) {
+            for x in (0..self.width).step_by(size as usize) {
+                tiles.push(Self {
+                    x: self.x + x,
+                    y: self.y + y,
+                    width: size.min(self.width - x),
+                    height: size.min(self.height - y),
+                });
+            }
+        }
+        tiles
+    }
 }
 
 /// What the ray through a pixel's centre met first, never filtered.
@@ -128,24 +144,13 @@ pub struct Film {
 impl Film {
     /// A black film for `window` of a picture of `size`.
     pub(super) fn new(size: (u32, u32), window: PixelRect) -> Self {
-        let mut tiles = Vec::new();
-        for y in (0..window.height).step_by(TILE as usize) {
-            for x in (0..window.width).step_by(TILE as usize) {
-                let rect = PixelRect {
-                    x: window.x + x,
-                    y: window.y + y,
-                    width: TILE.min(window.width - x),
-                    height: TILE.min(window.height - y),
-                };
-                let sums = vec![PixelSum::default(); rect.area() as usize];
-                tiles.push(Tile {
-                    rect,
-                    sums,
-                    first_hits: Vec::new(),
-                    rays: RayCounts::default(),
-                });
-            }
-        }
+        let tile = |rect: PixelRect| Tile {
+            rect,
+            sums: vec![PixelSum::default(); rect.area() as usize],
+            first_hits: Vec::new(),
+            rays: RayCounts::default(),
+        };
+        let tiles = window.tiles(TILE).into_iter().map(tile).collect();
         Self {
             size,
             window,

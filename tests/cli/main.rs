@@ -5,6 +5,7 @@ mod compare;
 mod errors;
 mod extents;
 mod outputs;
+mod overlay;
 mod pipes;
 mod reports;
 mod run;

@@ -21,6 +21,7 @@ mod smallest;
 mod study;
 mod tally;
 mod trace;
+mod viewed;
 
 pub use bounds::{BoxExtent, SphereExtent};
 pub use choice::{ExtentChoice, ExtentSet, ExtentSphere, ExtentTest, MeshAccelerator};
@@ -34,3 +35,4 @@ pub use screen::{ScreenExtent, View};
 pub use study::ObjectStudy;
 pub use tally::{ExtentTally, ObjectTally, TestTally};
 pub use trace::ExtentsLoop;
+pub use viewed::viewed_extents;

@@ -1,0 +1,70 @@
+//! A film as people see it: exposure, tone map, overlay, and codes for PNG and JPEG.
+
+use bspray::picture::{Raster, RasterPixels, ToneMap, exposure_factor, srgb};
+use bspray::render::{Film, Integrator, Overlay};
+use clap::Args;
+
+use super::values;
+
+/// How radiance becomes display light.
+#[derive(Args, Debug)]
+#[command(next_help_heading = "Display")]
+pub(super) struct DisplayArgs {
+    /// From radiance to display light, for PNG and JPEG: pbr-neutral, aces, reinhard or clip [default: pbr-neutral, and
+    /// clip for the integrators that do not compute light]
+    #[arg(long, value_name = "NAME")]
+    tonemap: Option<ToneMap>,
+    /// Brightness of PNG and JPEG, in stops
+    #[arg(
+        long,
+        value_name = "STOPS",
+        default_value_t = 0.0,
+        value_parser = values::finite,
+        allow_hyphen_values = true
+    )]
+    exposure: f32,
+}
+
+impl DisplayArgs {
+    /// The film as people see it. Normals are numbers, not light, and are stored as they are.
+    pub(super) fn raster(
+        &self,
+        film: &Film,
+        integrator: Integrator,
+        overlay: Option<&Overlay>,
+    ) -> Raster {
+        let is_light = matches!(integrator, Integrator::Direct);
+        let tonemap = self.tonemap.unwrap_or(if is_light {
+            ToneMap::PbrNeutral
+        } else {
+            ToneMap::Clip
+        });
+        let factor = exposure_factor(self.exposure);
+        let mut pixels = film.map(|sum, _| {
+            let mean = sum.mean();
+            tonemap.apply(((mean.color + mean.backdrop) * factor).to_array())
+        });
+        let (width, height) = (film.window.width, film.window.height);
+        if !matches!(integrator, Integrator::Normals) {
+            if let Some(overlay) = overlay {
+                overlay.lay_over(&mut pixels);
+            }
+            return Raster::from_rgb(width, height, &pixels);
+        }
+        let mut codes: Vec<_> = pixels.iter().map(|c| c.map(srgb::unit_to_u8)).collect();
+        if let Some(overlay) = overlay {
+            // The codes are shown as light, and an overlay lies over light.
+            let mut light: Vec<_> = codes
+                .iter()
+                .map(|c| c.map(|code| srgb::LINEAR_OF_U8[usize::from(code)]))
+                .collect();
+            overlay.lay_over(&mut light);
+            codes = light.iter().map(|c| c.map(srgb::u8_of_linear)).collect();
+        }
+        Raster {
+            width,
+            height,
+            pixels: RasterPixels::Rgb(codes),
+        }
+    }
+}
