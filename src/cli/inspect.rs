@@ -9,15 +9,15 @@ use serde_json::{Value, json};
 
 use super::inspect_bsp::{self, InspectBspArgs};
 use super::inspect_extents::{self, InspectExtentArgs};
+use super::model_args::ModelArgs;
 use super::numbers::{number, numbers};
 use super::{Done, output};
 
 /// Arguments of `bspray inspect`.
 #[derive(Args, Debug)]
 pub(super) struct InspectArgs {
-    /// Model files (.obj, .gltf, .glb); several make one scene
-    #[arg(required = true, value_name = "MODEL")]
-    models: Vec<PathBuf>,
+    #[command(flatten)]
+    input: ModelArgs,
     /// Print one JSON object
     #[arg(long)]
     json: bool,
@@ -33,14 +33,14 @@ const SHOWN_ROWS: usize = 40;
 /// Loads and tells.
 pub(super) fn run(args: &InspectArgs) -> anyhow::Result<Done> {
     args.bsp.check_files()?;
-    let scene = bspray::import::load(&args.models)?;
+    let scene = args.input.load()?;
     if args.bsp.bsp {
-        return inspect_bsp::run(&scene, &args.models, &args.bsp, args.json);
+        return inspect_bsp::run(&scene, &args.input.models, &args.bsp, args.json);
     }
     if args.extents.extent_table {
         return inspect_extents::run(&scene, &args.extents, args.json);
     }
-    let report = report(&scene, &args.models);
+    let report = report(&scene, &args.input.models);
     output::result(&if args.json {
         format!("{report:#}")
     } else {

@@ -14,6 +14,7 @@ mod inspect_bsp;
 mod inspect_extents;
 mod ladder;
 mod metadata;
+mod model_args;
 mod numbers;
 mod output;
 mod pixel;

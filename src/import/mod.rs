@@ -79,6 +79,22 @@ impl ImportError {
     }
 }
 
+/// What to show of files that offer a choice. The default is what the file shows by itself, at rest.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct ImportOptions {
+    /// The moment of an animation that poses nodes, skins and morph targets (glTF).
+    pub moment: Option<Moment>,
+}
+
+/// A moment of an animation.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Moment {
+    /// Index of the animation in its file.
+    pub animation: usize,
+    /// Seconds from the animation's zero. Before its first keyframes these are shown, after its last those.
+    pub seconds: f64,
+}
+
 /// The formats that are read.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Format {
@@ -94,14 +110,56 @@ enum Format {
 /// # Errors
 /// The first file that gives no scene ends the import with an [`ImportError`].
 pub fn load(files: &[PathBuf]) -> Result<Scene, ImportError> {
+    load_with(files, &ImportOptions::default())
+}
+
+/// Reads several files into one scene, as [`load`] does, and shows of them what `options` ask for.
+///
+/// Files without animations stay as they are.
+///
+/// # Errors
+/// As [`load`], and where a file has animations, but not this one, or none of the files has any.
+///
+/// # Example
+/// ```
+/// use bspray::import::{ImportOptions, Moment, load_with};
+///
+/// let moment = Some(Moment { animation: 0, seconds: 1.5 });
+/// let error = load_with(&["models/lecture-objects.gltf".into()], &ImportOptions { moment });
+/// assert!(error.unwrap_err().to_string().ends_with("animation 0: is not there: the file has none"));
+/// ```
+pub fn load_with(files: &[PathBuf], options: &ImportOptions) -> Result<Scene, ImportError> {
     let mut scene = Scene::default();
+    let mut has_animations = false;
     for file in files {
-        scene.append(load_file(file)?);
+        let read = load_file(file, options)?;
+        has_animations |= read.has_animations;
+        scene.append(read.scene);
+    }
+    if let (Some(moment), false, Some(file)) = (options.moment, has_animations, files.first()) {
+        let element = format!("animation {}", moment.animation);
+        let cause = "is not there: the file has none";
+        return Err(ImportError::invalid(file, element, cause));
     }
     Ok(scene)
 }
 
-fn load_file(file: &Path) -> Result<Scene, ImportError> {
+/// A scene, with what its file offers to choose from.
+struct FileRead {
+    scene: Scene,
+    has_animations: bool,
+}
+
+impl From<Scene> for FileRead {
+    fn from(scene: Scene) -> Self {
+        Self {
+            scene,
+            has_animations: false,
+        }
+    }
+}
+
+fn load_file(file: &Path, options: &ImportOptions) -> Result<FileRead, ImportError> {
     let metadata = std::fs::metadata(file).map_err(|e| ImportError::io(file, e))?;
     if metadata.is_dir() {
         return Err(ImportError::invalid(
@@ -116,14 +174,15 @@ fn load_file(file: &Path) -> Result<Scene, ImportError> {
         return Err(ImportError::invalid(file, "file", cause));
     }
     let bytes = std::fs::read(file).map_err(|e| ImportError::io(file, e))?;
-    let mut scene = match format_of(file, &bytes) {
-        Some(Format::Obj) => obj::load(file, &bytes)?,
-        Some(Format::Gltf) => gltf::load(file, bytes)?,
+    let mut read = match format_of(file, &bytes) {
+        Some(Format::Obj) => obj::load(file, &bytes)?.into(),
+        Some(Format::Gltf) => gltf::load(file, bytes, options)?,
         None => {
             let cause = "is no model that bspray reads (OBJ, glTF, GLB)";
             return Err(ImportError::unsupported(file, "file", cause));
         }
     };
+    let scene = &mut read.scene;
     if scene.placed_triangles() == 0 {
         let dropped: u64 = scene.defects.iter().map(|d| d.count).sum();
         let cause = match scene.defects.first() {
@@ -136,7 +195,7 @@ fn load_file(file: &Path) -> Result<Scene, ImportError> {
         return Err(ImportError::invalid(file, "scene", cause));
     }
     scene.files.insert(0, file.to_owned());
-    Ok(scene)
+    Ok(read)
 }
 
 fn format_of(file: &Path, bytes: &[u8]) -> Option<Format> {

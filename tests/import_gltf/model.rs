@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use base64::Engine;
 use base64::prelude::BASE64_STANDARD;
-use bspray::import::load;
+use bspray::import::{ImportOptions, load_with};
 use bspray::scene::Scene;
 use serde_json::{Value, json};
 
@@ -104,9 +104,18 @@ pub(crate) fn load_bytes(name: &str, bytes: &[u8]) -> Result<Scene, String> {
 }
 
 pub(crate) fn load_in(directory: &Path, name: &str, bytes: &[u8]) -> Result<Scene, String> {
+    load_in_with(directory, name, bytes, &ImportOptions::default())
+}
+
+fn load_in_with(
+    directory: &Path,
+    name: &str,
+    bytes: &[u8],
+    options: &ImportOptions,
+) -> Result<Scene, String> {
     let file: PathBuf = directory.join(name);
     std::fs::write(&file, bytes).expect("written");
-    let scene = load(std::slice::from_ref(&file)).map_err(|e| e.to_string())?;
+    let scene = load_with(std::slice::from_ref(&file), options).map_err(|e| e.to_string())?;
     for mesh in &scene.meshes {
         assert_eq!(mesh.validate(), Ok(()));
         assert!(mesh.positions.iter().all(|p| p.is_finite()));
@@ -125,6 +134,12 @@ pub(crate) fn load_in(directory: &Path, name: &str, bytes: &[u8]) -> Result<Scen
 
 pub(crate) fn load_model(model: &Value) -> Result<Scene, String> {
     load_bytes("model.gltf", model.to_string().as_bytes())
+}
+
+pub(crate) fn load_model_with(model: &Value, options: &ImportOptions) -> Result<Scene, String> {
+    let directory = tempfile::tempdir().expect("a temporary directory");
+    let bytes = model.to_string();
+    load_in_with(directory.path(), "model.gltf", bytes.as_bytes(), options)
 }
 
 /// The changed triangle, which must load.

@@ -60,6 +60,8 @@ impl<'a> Accessor<'a> {
             Checked::Valid(Type::Vec2) => 2,
             Checked::Valid(Type::Vec3) => 3,
             Checked::Valid(Type::Vec4) => 4,
+            // Columns of floats have no padding between them.
+            Checked::Valid(Type::Mat4) if component == ComponentType::F32 => 16,
             Checked::Valid(_) => return Err(named("holds matrices".to_owned())),
             Checked::Invalid => return Err(named("its type is unknown".to_owned())),
         };
@@ -127,6 +129,11 @@ impl<'a> Accessor<'a> {
             self.width,
             widths.start()
         ))
+    }
+
+    /// Components of an element.
+    pub(super) fn width(&self) -> usize {
+        self.width
     }
 
     /// Integers are fractions of the largest, whether the file says so or not.

@@ -14,7 +14,7 @@ use super::notes::Notes;
 use crate::import::ImportError;
 
 /// Extensions that are read.
-const SUPPORTED: [&str; 11] = [
+const SUPPORTED: [&str; 12] = [
     "KHR_lights_punctual",
     "KHR_materials_clearcoat",
     "KHR_materials_emissive_strength",
@@ -25,6 +25,7 @@ const SUPPORTED: [&str; 11] = [
     "KHR_materials_unlit",
     "KHR_materials_volume",
     "KHR_mesh_quantization",
+    "KHR_node_visibility",
     "KHR_texture_transform",
 ];
 
@@ -32,20 +33,19 @@ const SUPPORTED: [&str; 11] = [
 const SPECULAR_GLOSSINESS: &str = "KHR_materials_pbrSpecularGlossiness";
 
 /// What is lost without an extension, for those that are common, and what to do where it is required.
-const KNOWN: [(&str, &str); 11] = [
+const KNOWN: [(&str, &str); 10] = [
     ("EXT_mesh_gpu_instancing", "each node shows its mesh once"),
     (
         "EXT_meshopt_compression",
         "the uncompressed buffers are read",
     ),
     ("EXT_texture_webp", "the textures' other images are used"),
-    ("KHR_animation_pointer", "there is no animation"),
+    ("KHR_animation_pointer", "what it animates stays at rest"),
     (
         "KHR_draco_mesh_compression",
         "the uncompressed accessors are read",
     ),
     ("KHR_materials_variants", "the default materials are shown"),
-    ("KHR_node_visibility", "all nodes are shown"),
     ("KHR_texture_basisu", "the textures' other images are used"),
     ("KHR_xmp", "it describes the file, not the picture"),
     ("KHR_xmp_json_ld", "it describes the file, not the picture"),
@@ -129,6 +129,10 @@ impl<'a> Extension<'a> {
     pub(super) fn index(self, key: &str) -> Option<usize> {
         let index = self.0.get(key)?.as_u64()?;
         Some(usize::try_from(index).unwrap_or(usize::MAX))
+    }
+
+    pub(super) fn flag(self, key: &str) -> Option<bool> {
+        self.0.get(key)?.as_bool()
     }
 
     pub(super) fn number(self, key: &str) -> Option<f32> {
