@@ -29,26 +29,6 @@ struct Listed {
 /// Files that give no scene, a word of the reason that they must tell, and why that is right.
 const REFUSED: &[(&str, &str, &str)] = &[
     (
-        "gltf/chess-board-draco.glb",
-        "KHR_draco_mesh_compression",
-        "requires a compression that is not supported",
-    ),
-    (
-        "gltf/khronos/Duck/draco/Duck.gltf",
-        "KHR_draco_mesh_compression",
-        "requires a compression that is not supported",
-    ),
-    (
-        "gltf/BoxMeshopt/BoxMeshopt.gltf",
-        "EXT_meshopt_compression",
-        "requires a compression that is not supported",
-    ),
-    (
-        "gltf/BoxMeshopt/BoxMeshopt.glb",
-        "EXT_meshopt_compression",
-        "requires a compression that is not supported",
-    ),
-    (
         "obj/awkward/issue-140-zero-face-idx.obj",
         "vertex 0",
         "faces count from 1",
@@ -83,13 +63,6 @@ const MERGED: &[(&str, u64, &str)] = &[
         "so many polygons name one corner twice in a row",
     ),
 ];
-
-/// Files whose placed triangles are not those of the list: how many there are, and why.
-const PLACED_OTHERWISE: &[(&str, u64, &str)] = &[(
-    "gltf/khronos/SimpleInstancing/SimpleInstancing.gltf",
-    12,
-    "EXT_mesh_gpu_instancing is optional and not supported: each node shows its mesh once",
-)];
 
 fn folder() -> Option<PathBuf> {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/models");
@@ -145,9 +118,7 @@ fn the_list_and_the_exceptions_are_of_the_files_that_are_there() {
     assert_eq!(list.keys().cloned().collect::<BTreeSet<_>>(), found);
     assert!(found.len() >= 74, "{}", found.len());
     let excepted = REFUSED.iter().map(|row| row.0);
-    let excepted = excepted
-        .chain(MERGED.iter().map(|row| row.0))
-        .chain(PLACED_OTHERWISE.iter().map(|row| row.0));
+    let excepted = excepted.chain(MERGED.iter().map(|row| row.0));
     for file in excepted {
         assert!(found.contains(file), "{file} is no model");
     }
@@ -210,7 +181,7 @@ fn check_scene(file: &str, scene: &Scene, listed: Listed) -> Vec<String> {
     }
     let placed = scene.placed_triangles();
     // What is dropped from a mesh is dropped wherever it is placed: only files without instances drop anything.
-    let want = exception(PLACED_OTHERWISE, file).unwrap_or(listed.placed - dropped - merged);
+    let want = listed.placed - dropped - merged;
     if placed != want {
         complaints.push(format!("{placed} triangles placed, not {want}"));
     }

@@ -27,6 +27,9 @@ pub(super) struct ModelArgs {
         help_heading = "Models"
     )]
     animation_time: Option<f32>,
+    /// Show glTF models with the materials of their variant NAME [default: their default materials]
+    #[arg(long, value_name = "NAME", help_heading = "Models")]
+    variant: Option<String>,
 }
 
 impl ModelArgs {
@@ -47,6 +50,7 @@ impl ModelArgs {
             }
             (None, None) => None,
         };
-        Ok(ImportOptions { moment })
+        let variant = self.variant.clone();
+        Ok(ImportOptions { variant, moment })
     }
 }

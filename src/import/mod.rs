@@ -82,6 +82,8 @@ impl ImportError {
 /// What to show of files that offer a choice. The default is what the file shows by itself, at rest.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct ImportOptions {
+    /// The name of the variant (glTF, KHR_materials_variants) of which the materials are shown.
+    pub variant: Option<String>,
     /// The moment of an animation that poses nodes, skins and morph targets (glTF).
     pub moment: Option<Moment>,
 }
@@ -115,39 +117,46 @@ pub fn load(files: &[PathBuf]) -> Result<Scene, ImportError> {
 
 /// Reads several files into one scene, as [`load`] does, and shows of them what `options` ask for.
 ///
-/// Files without animations stay as they are.
+/// Files without animations, or without variants, stay as they are.
 ///
 /// # Errors
-/// As [`load`], and where a file has animations, but not this one, or none of the files has any.
+/// As [`load`], and where a file has animations, but not this one, or none of the files has any; so for variants.
 ///
 /// # Example
 /// ```
-/// use bspray::import::{ImportOptions, Moment, load_with};
+/// use bspray::import::{ImportOptions, load_with};
 ///
-/// let moment = Some(Moment { animation: 0, seconds: 1.5 });
-/// let error = load_with(&["models/lecture-objects.gltf".into()], &ImportOptions { moment });
-/// assert!(error.unwrap_err().to_string().ends_with("animation 0: is not there: the file has none"));
+/// let options = ImportOptions { variant: Some("red".to_owned()), ..ImportOptions::default() };
+/// let error = load_with(&["models/lecture-objects.gltf".into()], &options);
+/// assert!(error.unwrap_err().to_string().ends_with("variant \"red\": is not there: the file has none"));
 /// ```
 pub fn load_with(files: &[PathBuf], options: &ImportOptions) -> Result<Scene, ImportError> {
     let mut scene = Scene::default();
-    let mut has_animations = false;
+    let (mut has_animations, mut has_variants) = (false, false);
     for file in files {
         let read = load_file(file, options)?;
         has_animations |= read.has_animations;
+        has_variants |= read.has_variants;
         scene.append(read.scene);
     }
-    if let (Some(moment), false, Some(file)) = (options.moment, has_animations, files.first()) {
-        let element = format!("animation {}", moment.animation);
-        let cause = "is not there: the file has none";
-        return Err(ImportError::invalid(file, element, cause));
+    let moment = options.moment.filter(|_| !has_animations);
+    let animation = moment.map(|m| format!("animation {}", m.animation));
+    let variant = options.variant.as_ref().filter(|_| !has_variants);
+    let missing = animation.or(variant.map(|v| format!("variant {v:?}")));
+    match (missing, files.first()) {
+        (Some(missing), Some(file)) => {
+            let cause = "is not there: the file has none";
+            Err(ImportError::invalid(file, missing, cause))
+        }
+        _ => Ok(scene),
     }
-    Ok(scene)
 }
 
 /// A scene, with what its file offers to choose from.
 struct FileRead {
     scene: Scene,
     has_animations: bool,
+    has_variants: bool,
 }
 
 impl From<Scene> for FileRead {
@@ -155,6 +164,7 @@ impl From<Scene> for FileRead {
         Self {
             scene,
             has_animations: false,
+            has_variants: false,
         }
     }
 }

@@ -7,3 +7,4 @@ mod meshes;
 mod model;
 mod nodes;
 mod skins;
+mod variants;

@@ -19,6 +19,9 @@ pub(crate) const FLOAT: u32 = 5126;
 pub(crate) const PNG: &str =
     "iVBORw0KGgoAAAANSUhEUgAAAAEAAAABCAIAAACQd1PeAAAADElEQVR4nGP438AAAAQBAYDFKhhdAAAAAElFTkSuQmCC";
 
+/// Two pixels, (10, 20, 30) and (200, 100, 50), as lossless WebP.
+pub(crate) const WEBP: &str = "UklGRiIAAABXRUJQVlA4TBYAAAAvAQAAAA9wCqgr+J7CY/6DBxWI6H8A";
+
 /// A triangle of 1 x 2 units at z = 3, without indices.
 pub(crate) fn triangle() -> Value {
     let mut model = json!({

@@ -9,6 +9,7 @@ use ::gltf::json::accessor::{ComponentType, Type};
 use ::gltf::json::validation::Checked;
 
 use super::document::Document;
+use super::draco;
 
 /// Most elements that an accessor without bytes (all zeros, but for its sparse values) may claim: 2^20.
 ///
@@ -115,6 +116,27 @@ impl<'a> Accessor<'a> {
             normalized: json.normalized,
             base,
             sparse,
+        })
+    }
+
+    /// An accessor of which the data was compressed: `values` stand for the bytes of accessor `index`.
+    pub(super) fn unpacked(
+        document: &Document,
+        index: usize,
+        values: &'a draco::Values,
+    ) -> Result<Self, String> {
+        let size = values.component.size() * values.width;
+        Ok(Self {
+            index,
+            count: values.bytes.len().checked_div(size).unwrap_or(0),
+            component: values.component,
+            width: values.width,
+            normalized: document.accessor(index)?.normalized,
+            base: Some(Elements {
+                bytes: &values.bytes,
+                stride: size,
+            }),
+            sparse: None,
         })
     }
 
@@ -244,11 +266,6 @@ impl<'a> Accessor<'a> {
             }
         }
         values
-    }
-
-    /// Whether the accessor has neither bytes nor sparse values of its own.
-    pub(super) fn is_empty_shell(&self) -> bool {
-        self.base.is_none() && self.sparse.is_none()
     }
 }
 

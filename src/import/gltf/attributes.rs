@@ -24,8 +24,8 @@ pub(super) struct Attributes {
     pub(super) uvs: Vec<(u32, usize)>,
     /// The morph targets that are gone to.
     pub(super) morphs: Vec<Morph>,
-    /// Joints and their weights, four of each a set.
-    pub(super) joints: Vec<(usize, usize)>,
+    /// Set, joints and their weights, four of each a set.
+    pub(super) joints: Vec<(u32, usize, usize)>,
 }
 
 /// A morph target: the accessors of its displacements.
@@ -96,11 +96,12 @@ fn morphs(json: &Primitive, pose: &MeshPose) -> Vec<Morph> {
 }
 
 /// The sets of joints that have weights.
-fn joints(json: &Primitive, element: &str, notes: &mut Notes) -> Vec<(usize, usize)> {
+fn joints(json: &Primitive, element: &str, notes: &mut Notes) -> Vec<(u32, usize, usize)> {
     let accessor = |semantic| json.attributes.get(&Checked::Valid(semantic));
     let set = |set| {
         let joints = accessor(Semantic::Joints(set))?;
-        Some((joints.value(), accessor(Semantic::Weights(set))?.value()))
+        let weights = accessor(Semantic::Weights(set))?;
+        Some((set, joints.value(), weights.value()))
     };
     let sets: Vec<_> = (0..MAX_JOINT_SETS).filter_map(set).collect();
     if sets.is_empty() {

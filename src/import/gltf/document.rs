@@ -6,6 +6,7 @@
 //! precision (read once more, as [`Pose`]). Animations are kept as JSON until one is asked for.
 
 use std::path::Path;
+use std::sync::OnceLock;
 
 use ::gltf::json::{Root, accessor, buffer};
 use serde::Deserialize;
@@ -14,6 +15,7 @@ use serde_json::Value;
 use super::buffers::Buffers;
 use super::container::Container;
 use super::mend::{has_large_integer, mended};
+use super::meshopt_views;
 use super::uri::Files;
 use crate::import::ImportError;
 
@@ -25,6 +27,8 @@ pub(super) struct Document<'a> {
     pub(super) poses: Vec<Pose>,
     pub(super) animations: Vec<Value>,
     pub(super) buffers: Buffers<'a>,
+    /// Buffer views that were compressed.
+    unpacked: Vec<OnceLock<Result<Vec<u8>, String>>>,
     /// The files beside it that were read.
     pub(super) files: Files,
 }
@@ -86,12 +90,14 @@ impl<'a> Document<'a> {
             _ => Vec::new(),
         };
         let buffers = Buffers::new(file, &root, container.binary);
+        let unpacked = root.buffer_views.iter().map(|_| OnceLock::new()).collect();
         Ok(Self {
             file,
             root,
             poses,
             animations,
             buffers,
+            unpacked,
             files: Files::default(),
         })
     }
@@ -136,20 +142,46 @@ impl<'a> Document<'a> {
                 "buffer view {index} is not there: the file has {count}"
             ));
         };
-        let buffer = view.buffer.value();
-        let bytes = self.buffers.get(&self.root, &self.files, buffer)?;
+        let named = |cause: String| format!("buffer view {index} {cause}");
+        if let Some((name, extension)) = meshopt_views::extension(view) {
+            let decoded =
+                self.unpacked[index].get_or_init(|| meshopt_views::decode(self, extension));
+            let bytes = decoded
+                .as_deref()
+                .map_err(|cause| named(format!("({name}): {cause}")))?;
+            let claimed = usize::try_from(view.byte_length.0).unwrap_or(usize::MAX);
+            let within = bytes.get(..claimed).ok_or_else(|| {
+                let found = bytes.len();
+                named(format!(
+                    "({name}): holds {found} bytes, its byteLength claims {claimed}"
+                ))
+            })?;
+            return Ok((within, view));
+        }
         let offset = view.byte_offset.map_or(0, |o| o.0);
-        let end = offset.saturating_add(view.byte_length.0);
+        let range = self.buffer_range(view.buffer.value(), offset, view.byte_length.0);
+        Ok((range.map_err(named)?, view))
+    }
+
+    /// Some bytes of a buffer.
+    pub(super) fn buffer_range(
+        &self,
+        buffer: usize,
+        offset: u64,
+        length: u64,
+    ) -> Result<&[u8], String> {
+        let bytes = self.buffers.get(&self.root, &self.files, buffer);
+        let bytes = bytes.map_err(|cause| format!("cannot be had: {cause}"))?;
+        let end = offset.saturating_add(length);
         // A range that does not fit in usize is no part of a slice either.
         let range = usize::try_from(offset).unwrap_or(usize::MAX)
             ..usize::try_from(end).unwrap_or(usize::MAX);
-        let within = bytes.get(range).ok_or_else(|| {
+        bytes.get(range).ok_or_else(|| {
             format!(
-                "buffer view {index} claims bytes {offset}..{end} of buffer {buffer}, which has {}",
+                "claims bytes {offset}..{end} of buffer {buffer}, which has {}",
                 bytes.len()
             )
-        })?;
-        Ok((within, view))
+        })
     }
 }
 

@@ -3,6 +3,7 @@
 //! Primitives that name the same accessors share their vertices, and vertices that no triangle uses are left out: files keep
 //! the vertices of many primitives, and of many meshes, in one accessor.
 
+use std::borrow::Cow;
 use std::ops::Range;
 
 use ::gltf::json::mesh::{Mode, Primitive};
@@ -11,9 +12,11 @@ use ::gltf::json::validation::Checked;
 use super::accessor::Accessor;
 use super::attributes::Attributes;
 use super::document::Document;
+use super::draco;
 use super::notes::Notes;
 use super::pose::{MeshPose, Shape};
 use super::primitive;
+use super::variants;
 use super::vertices::{self, Group};
 use crate::import::{ImportError, clean};
 use crate::scene::{Defect, Part, TriangleMesh};
@@ -25,10 +28,11 @@ pub(super) struct MeshRead {
     pub(super) defects: Vec<Defect>,
 }
 
-/// Reads a mesh in its shape. Parts name materials by the file's index; those without one have `default_material`.
+/// Reads a mesh in its shape, with the materials of a variant. Parts name materials by the file's index; those without one have `default_material`.
 pub(super) fn read(
     document: &Document,
     shape: &Shape,
+    variant: Option<usize>,
     default_material: u32,
 ) -> Result<MeshRead, ImportError> {
     let index = shape.mesh;
@@ -38,6 +42,7 @@ pub(super) fn read(
         document,
         label: &label,
         pose: &shape.pose,
+        variant,
         notes: Notes::new(document.file),
         mesh: TriangleMesh {
             name: json.name.clone().unwrap_or_else(|| label.clone()),
@@ -69,6 +74,7 @@ struct Reader<'a, 'file> {
     document: &'a Document<'file>,
     label: &'a str,
     pose: &'a MeshPose,
+    variant: Option<usize>,
     notes: Notes,
     mesh: TriangleMesh,
     groups: Vec<Group>,
@@ -96,21 +102,25 @@ impl Reader<'_, '_> {
             self.notes.add(element, "left out: it has no positions");
             return Ok(());
         };
-        let positions = Accessor::open(document, attributes.position).map_err(invalid)?;
-        let is_draco = json
-            .extensions
-            .as_ref()
-            .is_some_and(|e| e.others.contains_key("KHR_draco_mesh_compression"));
-        if is_draco && positions.is_empty_shell() {
-            let cause = "is only there in KHR_draco_mesh_compression: decode the file first, for example with gltf-transform";
-            return Err(ImportError::unsupported(document.file, element, cause));
-        }
-        let vertex_count = positions.count;
-        let indices = self.indices(json, vertex_count).map_err(invalid)?;
+        let unpacked = match draco::extension(document, json) {
+            Some(extension) => Some(draco::unpack(document, extension).map_err(invalid)?),
+            None => None,
+        };
+        let (mode, vertex_count, indices) = match &unpacked {
+            // Whatever the primitive says, Draco has lists of triangles.
+            Some(u) => (Mode::Triangles, u.vertex_count, Cow::Borrowed(&u.indices)),
+            None => {
+                let positions = Accessor::open(document, attributes.position).map_err(invalid)?;
+                let indices = self.indices(json, positions.count).map_err(invalid)?;
+                (mode, positions.count, Cow::Owned(indices))
+            }
+        };
         let materials = document.root.materials.len();
-        let material = match json.material {
+        let own = json.material.map(|m| m.value());
+        let material = self.variant.and_then(|v| variants::material(json, v));
+        let material = match material.or(own) {
             None => default_material,
-            Some(m) if m.value() < materials => m.value() as u32,
+            Some(m) if m < materials => m as u32,
             Some(m) => {
                 let cause = format!("material {m} is not there: the file has {materials}");
                 return Err(invalid(cause));
@@ -126,11 +136,15 @@ impl Reader<'_, '_> {
             self.notes.add(&element, text);
         }
         let run = self.add_part(triangles, material).map_err(invalid)?;
-        match self.groups.iter_mut().find(|g| g.attributes == attributes) {
+        let is_plain = unpacked.is_none();
+        let shares =
+            |g: &&mut Group| is_plain && g.unpacked.is_none() && g.attributes == attributes;
+        match self.groups.iter_mut().find(shares) {
             Some(group) => group.runs.push(run),
             None => self.groups.push(Group {
                 attributes,
                 vertex_count,
+                unpacked,
                 first_primitive: index,
                 runs: vec![run],
             }),

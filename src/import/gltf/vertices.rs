@@ -9,6 +9,7 @@ use glam::{DAffine3, DMat3, DVec3, Vec2, Vec3, Vec4};
 use super::accessor::Accessor;
 use super::attributes::{Attributes, color_or_white, finite_or_zero, unit_or_zero};
 use super::document::Document;
+use super::draco::Unpacked;
 use super::mesh::append;
 use super::pose::MeshPose;
 use super::skin::Skin;
@@ -18,6 +19,8 @@ use crate::scene::TriangleMesh;
 pub(super) struct Group {
     pub(super) attributes: Attributes,
     pub(super) vertex_count: usize,
+    /// The attributes' data, where it was compressed.
+    pub(super) unpacked: Option<Unpacked>,
     /// Named in messages.
     pub(super) first_primitive: usize,
     /// The triangles over them. Until the vertices are read, these count vertices as the accessors do.
@@ -100,7 +103,12 @@ impl<'a> Reader<'a, '_> {
         index: usize,
         widths: RangeInclusive<usize>,
     ) -> Result<Accessor<'a>, String> {
-        let accessor = Accessor::open(self.document, index).and_then(|a| a.with_width(widths));
+        let unpacked = self.group.unpacked.as_ref();
+        let accessor = match unpacked.and_then(|u| u.attributes.get(name)) {
+            Some(values) => Accessor::unpacked(self.document, index, values),
+            None => Accessor::open(self.document, index),
+        };
+        let accessor = accessor.and_then(|a| a.with_width(widths));
         let vertex_count = self.group.vertex_count;
         match accessor {
             Ok(a) if a.count < vertex_count => Err(format!(
@@ -172,9 +180,10 @@ impl<'a> Reader<'a, '_> {
     /// The matrix of each vertex.
     fn matrices(&self, skin: &Skin) -> Result<Vec<DAffine3>, String> {
         let mut sets = Vec::new();
-        for &(joints, weights) in &self.group.attributes.joints {
-            let joints = self.read("JOINTS", joints, 4..=4, [0.0; 4])?;
-            let weights = self.open("WEIGHTS", weights, 4..=4)?.into_normalized();
+        for &(set, joints, weights) in &self.group.attributes.joints {
+            let joints = self.read(&format!("JOINTS_{set}"), joints, 4..=4, [0.0; 4])?;
+            let weights = self.open(&format!("WEIGHTS_{set}"), weights, 4..=4)?;
+            let weights = weights.into_normalized();
             sets.push((joints, weights.read(self.used, [0.0; 4])));
         }
         let mut influences = Vec::with_capacity(4 * sets.len());
