@@ -6,5 +6,6 @@ mod materials;
 mod meshes;
 mod model;
 mod nodes;
+mod packed;
 mod skins;
 mod variants;

@@ -104,7 +104,6 @@ fn weights(document: &Document, node: usize, mesh: usize) -> Vec<f64> {
     let most = targets.filter_map(|p| p.targets.as_ref().map(Vec::len));
     weights.truncate(most.max().unwrap_or(0));
     // A weight of zero is exact, and has no effect.
-    #[expect(clippy::float_cmp, reason = "exactly zero, as files write it")]
     while weights.last().is_some_and(|&w| w == 0.0) {
         weights.pop();
     }
