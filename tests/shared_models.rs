@@ -243,6 +243,66 @@ fn check_picture(scene: &Scene) -> Vec<String> {
     complaints
 }
 
+/// Files that hold the same model, and how far their triangles' places may lie apart, as a share of the model's size.
+const SAME: &[(&str, &str, f32)] = &[
+    (
+        "gltf/khronos/Duck/Duck.gltf",
+        "gltf/khronos/Duck/draco/Duck.gltf",
+        1e-3,
+    ),
+    (
+        "gltf/khronos/Duck/Duck.gltf",
+        "gltf/khronos/Duck/quantized/Duck.gltf",
+        1e-3,
+    ),
+    // Decoded by another program, with the same whole numbers.
+    ("gltf/chess-board.glb", "gltf/chess-board-draco.glb", 1e-6),
+    (
+        "gltf/khronos/Box/Box.gltf",
+        "gltf/BoxMeshopt/BoxMeshopt.gltf",
+        1e-3,
+    ),
+    (
+        "gltf/BoxMeshopt/BoxMeshopt.gltf",
+        "gltf/BoxMeshopt/BoxMeshopt.glb",
+        1e-6,
+    ),
+];
+
+/// The box, the area and the mean place of a scene's surface.
+fn measures(scene: &Scene) -> [Vec3; 4] {
+    let bounds = scene.bounds();
+    let (mut area, mut moment) = (0.0_f64, glam::DVec3::ZERO);
+    for instance in &scene.instances {
+        let mesh = &scene.meshes[instance.mesh as usize];
+        let point = |v: u32| instance.world_point(mesh.positions[v as usize]).as_dvec3();
+        for &t in &mesh.triangles {
+            let [a, b, c] = t.map(point);
+            let own = (b - a).cross(c - a).length() / 2.0;
+            area += own;
+            moment += own * (a + b + c) / 3.0;
+        }
+    }
+    let side = Vec3::splat(area.sqrt() as f32);
+    [bounds.min, bounds.max, side, (moment / area).as_vec3()]
+}
+
+#[test]
+fn packed_models_measure_what_the_plain_ones_do() {
+    let Some(folder) = folder() else { return };
+    for (plain, packed, share) in SAME {
+        let scene = |file: &str| import::load(&[folder.join(file)]).expect("loads");
+        let (plain_scene, packed_scene) = (scene(plain), scene(packed));
+        let most = share * plain_scene.bounds().diagonal();
+        let measures = measures(&plain_scene)
+            .into_iter()
+            .zip(measures(&packed_scene));
+        for (a, b) in measures {
+            assert!((a - b).length() <= most, "{packed}: {b}, and {plain}: {a}");
+        }
+    }
+}
+
 #[test]
 fn rows_of_the_list_are_understood() {
     let text = "| file | size | vertices | triangles | source |\n\

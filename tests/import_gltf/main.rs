@@ -9,3 +9,4 @@ mod nodes;
 mod packed;
 mod skins;
 mod variants;
+mod verdicts;

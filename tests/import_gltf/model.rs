@@ -56,7 +56,10 @@ pub(crate) fn push(model: &mut Value, key: &str, item: Value) -> usize {
 
 /// Adds a buffer with one view of it.
 pub(crate) fn add_view(model: &mut Value, bytes: &[u8]) -> usize {
-    let uri = format!("data:;base64,{}", BASE64_STANDARD.encode(bytes));
+    let uri = format!(
+        "data:application/octet-stream;base64,{}",
+        BASE64_STANDARD.encode(bytes)
+    );
     let buffer = push(
         model,
         "buffers",
