@@ -163,8 +163,8 @@ const EDITS: &[(&str, &str, &str)] = &[
         "malformed/required-extension.gltf",
         "}]}",
         concat!(
-            r#"}],"extensionsUsed":["KHR_draco_mesh_compression"],"#,
-            r#""extensionsRequired":["KHR_draco_mesh_compression"]}"#
+            r#"}],"extensionsUsed":["KHR_gaussian_splatting"],"#,
+            r#""extensionsRequired":["KHR_gaussian_splatting"]}"#
         ),
     ),
 ];

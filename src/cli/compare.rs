@@ -1,7 +1,5 @@
 //! `bspray compare`: structures beside one another on the rays of one view.
 
-use std::path::PathBuf;
-
 use anyhow::{Context, bail};
 use bspray::accel::AcceleratorKind;
 use bspray::analysis::{CompareOptions, Comparison, Phase};
@@ -11,6 +9,7 @@ use super::bsp_args::BspArgs;
 use super::camera_args::{self, CameraArgs};
 use super::compare_report::CompareReport;
 use super::extent_args::ExtentArgs;
+use super::model_args::ModelArgs;
 use super::{Done, UsageError, output, render, values};
 
 /// Arguments of `bspray compare`.
@@ -20,9 +19,8 @@ use super::{Done, UsageError, output, render, values};
     found to be wrong; the report is printed all the same."
 )]
 pub(super) struct CompareArgs {
-    /// Model files (.obj, .gltf, .glb); several make one scene
-    #[arg(required = true, value_name = "MODEL")]
-    models: Vec<PathBuf>,
+    #[command(flatten)]
+    input: ModelArgs,
     /// The structures, with commas between; the others are measured by the first [default: all but extents and linear]
     #[arg(long, value_name = "KIND,...", value_delimiter = ',', value_parser = values::accelerator,
         long_help = render::accelerator_help("The structures, with commas between; the others are measured by the first [default: all but extents and linear]"))]
@@ -59,7 +57,7 @@ pub(super) struct CompareArgs {
 /// Compares and tells.
 pub(super) fn run(args: &CompareArgs) -> anyhow::Result<Done> {
     let mut options = options(args)?;
-    let scene = bspray::import::load(&args.models)?;
+    let scene = args.input.load()?;
     if !args.quiet {
         output::tell_of(&scene);
     }
@@ -81,7 +79,7 @@ pub(super) fn run(args: &CompareArgs) -> anyhow::Result<Done> {
     };
     let comparison = pool.install(|| Comparison::of(&scene, &view.camera, &options, &watch));
     let report = CompareReport {
-        models: &args.models,
+        models: &args.input.models,
         scene: &scene,
         camera_flags: &camera_flags,
         options: &options,

@@ -9,6 +9,7 @@ use serde_json::{Value, json};
 
 use super::inspect_bsp::{self, InspectBspArgs};
 use super::inspect_extents::{self, InspectExtentArgs};
+use super::model_args::ModelArgs;
 use super::numbers::{number, numbers};
 use super::{Done, output};
 
@@ -16,9 +17,8 @@ use super::{Done, output};
 #[derive(Args, Debug)]
 #[command(mut_group("CameraArgs", |group| group.requires("extent_table")))]
 pub(super) struct InspectArgs {
-    /// Model files (.obj, .gltf, .glb); several make one scene
-    #[arg(required = true, value_name = "MODEL")]
-    models: Vec<PathBuf>,
+    #[command(flatten)]
+    input: ModelArgs,
     /// Print one JSON object
     #[arg(long)]
     json: bool,
@@ -34,14 +34,14 @@ const SHOWN_ROWS: usize = 40;
 /// Loads and tells.
 pub(super) fn run(args: &InspectArgs) -> anyhow::Result<Done> {
     args.bsp.check_files()?;
-    let scene = bspray::import::load(&args.models)?;
+    let scene = args.input.load()?;
     if args.bsp.bsp {
-        return inspect_bsp::run(&scene, &args.models, &args.bsp, args.json);
+        return inspect_bsp::run(&scene, &args.input.models, &args.bsp, args.json);
     }
     if args.extents.extent_table {
         return inspect_extents::run(&scene, &args.extents, args.json);
     }
-    let report = report(&scene, &args.models);
+    let report = report(&scene, &args.input.models);
     output::report(&report, args.json, text)?;
     Ok(Done::Completely)
 }

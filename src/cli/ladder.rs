@@ -1,7 +1,6 @@
 //! `bspray ladder`: what each step from no extents to trees gives.
 
 use std::fmt::Write;
-use std::path::PathBuf;
 
 use bspray::accel::extents::{ExtentTest, MeshAccelerator, ObjectTally};
 use bspray::analysis::{Ladder, LadderOptions, StepOnRays};
@@ -11,14 +10,14 @@ use serde_json::{Value, json};
 use super::bsp_args::BspArgs;
 use super::camera_args::{self, CameraArgs};
 use super::compare_report::spread;
+use super::model_args::ModelArgs;
 use super::{Done, extent_args, output, values};
 
 /// Arguments of `bspray ladder`.
 #[derive(Args, Debug)]
 pub(super) struct LadderArgs {
-    /// Model files (.obj, .gltf, .glb); several make one scene
-    #[arg(required = true, value_name = "MODEL")]
-    models: Vec<PathBuf>,
+    #[command(flatten)]
+    input: ModelArgs,
     /// What finds the hits within an object in the lower steps: linear (the lecture's), bsp, bvh2 or cwbvh
     #[arg(long, value_name = "KIND", default_value_t = MeshAccelerator::Linear, value_parser = extent_args::mesh)]
     mesh_accel: MeshAccelerator,
@@ -48,7 +47,7 @@ pub(super) struct LadderArgs {
 
 /// Climbs and tells.
 pub(super) fn run(args: &LadderArgs) -> anyhow::Result<Done> {
-    let scene = bspray::import::load(&args.models)?;
+    let scene = args.input.load()?;
     if !args.quiet {
         output::tell_of(&scene);
     }
@@ -69,7 +68,7 @@ pub(super) fn run(args: &LadderArgs) -> anyhow::Result<Done> {
     );
     output::result(&if args.json {
         let report = json!({
-            "models": args.models.iter().map(|m| m.to_string_lossy()).collect::<Vec<_>>(),
+            "models": args.input.models.iter().map(|m| m.to_string_lossy()).collect::<Vec<_>>(),
             "camera": camera_args::as_flags(&camera, &scene, args.camera.up()),
             "mesh_accel": args.mesh_accel.name(),
             "rays": ladder.kinds.iter().map(|(name, count)| json!({ "kind": name, "count": count })).collect::<Vec<_>>(),

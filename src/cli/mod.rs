@@ -15,6 +15,7 @@ mod inspect_bsp;
 mod inspect_extents;
 mod ladder;
 mod metadata;
+mod model_args;
 mod numbers;
 mod output;
 mod overlay_args;

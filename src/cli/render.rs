@@ -16,6 +16,7 @@ use super::camera_args::{self, CameraArgs};
 use super::display::DisplayArgs;
 use super::extent_args::ExtentArgs;
 use super::files::{self, OutputKind};
+use super::model_args::ModelArgs;
 use super::overlay_args::OverlayArgs;
 use super::summary::{RenderSummary, Seconds};
 use super::values::{self, CropWindow, PixelBounds};
@@ -24,9 +25,8 @@ use super::{Done, UsageError, metadata, output, pixel, progress};
 /// Arguments of `bspray render`.
 #[derive(Args, Debug)]
 pub(super) struct RenderArgs {
-    /// Model files (.obj, .gltf, .glb); several make one scene
-    #[arg(required = true, value_name = "MODEL")]
-    models: Vec<PathBuf>,
+    #[command(flatten)]
+    input: ModelArgs,
     /// Where the picture goes: .exr (all layers), .png or .jpg; can be given several times [default: the model's name with .png]
     #[arg(short, long, value_name = "FILE")]
     output: Vec<PathBuf>,
@@ -134,7 +134,7 @@ pub(super) fn accelerator_help(purpose: &str) -> String {
 /// Renders.
 pub(super) fn run(args: &RenderArgs) -> anyhow::Result<Done> {
     progress::handle_signals()?;
-    let outputs = files::outputs(&args.output, &args.models, args.pixel.is_some())?;
+    let outputs = files::outputs(&args.output, &args.input.models, args.pixel.is_some())?;
     let has_layers = outputs.iter().any(|(_, kind)| *kind == OutputKind::Exr);
     if args.bsp_layers && !has_layers && args.pixel.is_none() {
         let words = "--bsp-layers: only .exr files have layers: add one with --output";
@@ -146,7 +146,7 @@ pub(super) fn run(args: &RenderArgs) -> anyhow::Result<Done> {
     let window = window(args)?;
 
     let started = Instant::now();
-    let scene = bspray::import::load(&args.models)?;
+    let scene = args.input.load()?;
     let load = started.elapsed().as_secs_f64();
     files::spare_inputs(outputs.iter().map(|(path, _)| path.as_path()), &scene)?;
     if !args.quiet {
@@ -207,7 +207,7 @@ pub(super) fn run(args: &RenderArgs) -> anyhow::Result<Done> {
     watch.end();
 
     let summary = RenderSummary {
-        args_models: &args.models,
+        args_models: &args.input.models,
         scene: &scene,
         accelerator: args.accel,
         build: accelerator.build_stats(),

@@ -1,7 +1,10 @@
 //! The images that model files name or carry, decoded.
 
 use crate::picture::{PictureError, read_image};
-use crate::scene::Image;
+use crate::scene::{Image, Pixels};
+
+/// Squares of the stand-in along each side.
+const STAND_IN_SQUARES: u32 = 8;
 
 /// Reads an image file's bytes. `name` is the image's name in the scene; its extension helps with formats that have no
 /// mark of their own.
@@ -17,4 +20,19 @@ pub(super) fn decode(name: &str, bytes: &[u8]) -> Result<Image, String> {
         name: name.to_owned(),
         ..image
     })
+}
+
+/// A magenta checker, for images of colours that cannot be had.
+pub(super) fn stand_in() -> Image {
+    let side = STAND_IN_SQUARES;
+    let square = |i: u32| match (i % side + i / side) % 2 {
+        0 => [255, 0, 255, 255],
+        _ => [60, 0, 60, 255],
+    };
+    Image {
+        name: "stand-in".to_owned(),
+        width: side,
+        height: side,
+        pixels: Some(Pixels::Rgba8((0..side * side).map(square).collect())),
+    }
 }

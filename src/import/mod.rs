@@ -79,6 +79,24 @@ impl ImportError {
     }
 }
 
+/// What to show of files that offer a choice. The default is what the file shows by itself, at rest.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct ImportOptions {
+    /// The name of the variant (glTF, KHR_materials_variants) of which the materials are shown.
+    pub variant: Option<String>,
+    /// The moment of an animation that poses nodes, skins and morph targets (glTF).
+    pub moment: Option<Moment>,
+}
+
+/// A moment of an animation.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Moment {
+    /// Index of the animation in its file.
+    pub animation: usize,
+    /// Seconds from the animation's zero. Before its first keyframes these are shown, after its last those.
+    pub seconds: f64,
+}
+
 /// The formats that are read.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Format {
@@ -94,14 +112,64 @@ enum Format {
 /// # Errors
 /// The first file that gives no scene ends the import with an [`ImportError`].
 pub fn load(files: &[PathBuf]) -> Result<Scene, ImportError> {
-    let mut scene = Scene::default();
-    for file in files {
-        scene.append(load_file(file)?);
-    }
-    Ok(scene)
+    load_with(files, &ImportOptions::default())
 }
 
-fn load_file(file: &Path) -> Result<Scene, ImportError> {
+/// Reads several files into one scene, as [`load`] does, and shows of them what `options` ask for.
+///
+/// Files without animations, or without variants, stay as they are.
+///
+/// # Errors
+/// As [`load`], and where a file has animations, but not this one, or none of the files has any; so for variants.
+///
+/// # Example
+/// ```
+/// use bspray::import::{ImportOptions, load_with};
+///
+/// let options = ImportOptions { variant: Some("red".to_owned()), ..ImportOptions::default() };
+/// let error = load_with(&["models/lecture-objects.gltf".into()], &options);
+/// assert!(error.unwrap_err().to_string().ends_with("variant \"red\": is not there: the file has none"));
+/// ```
+pub fn load_with(files: &[PathBuf], options: &ImportOptions) -> Result<Scene, ImportError> {
+    let mut scene = Scene::default();
+    let (mut has_animations, mut has_variants) = (false, false);
+    for file in files {
+        let read = load_file(file, options)?;
+        has_animations |= read.has_animations;
+        has_variants |= read.has_variants;
+        scene.append(read.scene);
+    }
+    let moment = options.moment.filter(|_| !has_animations);
+    let animation = moment.map(|m| format!("animation {}", m.animation));
+    let variant = options.variant.as_ref().filter(|_| !has_variants);
+    let missing = animation.or(variant.map(|v| format!("variant {v:?}")));
+    match (missing, files.first()) {
+        (Some(missing), Some(file)) => {
+            let cause = "is not there: the file has none";
+            Err(ImportError::invalid(file, missing, cause))
+        }
+        _ => Ok(scene),
+    }
+}
+
+/// A scene, with what its file offers to choose from.
+struct FileRead {
+    scene: Scene,
+    has_animations: bool,
+    has_variants: bool,
+}
+
+impl From<Scene> for FileRead {
+    fn from(scene: Scene) -> Self {
+        Self {
+            scene,
+            has_animations: false,
+            has_variants: false,
+        }
+    }
+}
+
+fn load_file(file: &Path, options: &ImportOptions) -> Result<FileRead, ImportError> {
     let metadata = std::fs::metadata(file).map_err(|e| ImportError::io(file, e))?;
     if metadata.is_dir() {
         return Err(ImportError::invalid(
@@ -116,14 +184,15 @@ fn load_file(file: &Path) -> Result<Scene, ImportError> {
         return Err(ImportError::invalid(file, "file", cause));
     }
     let bytes = std::fs::read(file).map_err(|e| ImportError::io(file, e))?;
-    let mut scene = match format_of(file, &bytes) {
-        Some(Format::Obj) => obj::load(file, &bytes)?,
-        Some(Format::Gltf) => gltf::load(file, bytes)?,
+    let mut read = match format_of(file, &bytes) {
+        Some(Format::Obj) => obj::load(file, &bytes)?.into(),
+        Some(Format::Gltf) => gltf::load(file, bytes, options)?,
         None => {
             let cause = "is no model that bspray reads (OBJ, glTF, GLB)";
             return Err(ImportError::unsupported(file, "file", cause));
         }
     };
+    let scene = &mut read.scene;
     if scene.placed_triangles() == 0 {
         let dropped: u64 = scene.defects.iter().map(|d| d.count).sum();
         let cause = match scene.defects.first() {
@@ -136,7 +205,7 @@ fn load_file(file: &Path) -> Result<Scene, ImportError> {
         return Err(ImportError::invalid(file, "scene", cause));
     }
     scene.files.insert(0, file.to_owned());
-    Ok(scene)
+    Ok(read)
 }
 
 fn format_of(file: &Path, bytes: &[u8]) -> Option<Format> {

@@ -24,7 +24,7 @@ const MALFORMED: &[(&str, &str)] = &[
     ("no-faces.obj", "no faces"),
     ("no-such-normal.obj", "normal that is not there"),
     ("repeated-corner.obj", "three different corners"),
-    ("required-extension.gltf", "KHR_draco_mesh_compression"),
+    ("required-extension.gltf", "KHR_gaussian_splatting"),
     ("truncated.glb", "truncated"),
     ("zero-index.obj", "vertex 0"),
 ];

@@ -4,6 +4,7 @@ mod camera;
 mod compare;
 mod errors;
 mod extents;
+mod models;
 mod outputs;
 mod overlay;
 mod pipes;

@@ -1,7 +1,12 @@
 //! glTF files as they should be and as they should not, through the public loader.
 
+mod animations;
 mod files;
 mod materials;
 mod meshes;
 mod model;
 mod nodes;
+mod packed;
+mod skins;
+mod variants;
+mod verdicts;

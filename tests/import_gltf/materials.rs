@@ -2,7 +2,7 @@
 
 use base64::Engine;
 use base64::prelude::BASE64_STANDARD;
-use bspray::scene::{AlphaMode, Wrap};
+use bspray::scene::{AlphaMode, Filter, Pixels, Wrap};
 use glam::{Vec2, Vec3};
 use serde_json::json;
 
@@ -69,7 +69,7 @@ fn images_that_cannot_be_had_leave_their_materials() {
         let textures = (0..6).map(|i| json!({"source": i}));
         m["textures"] = textures
             .chain([
-                json!({"extensions": {"KHR_texture_basisu": {"source": 0}}}),
+                json!({"extensions": {"MSFT_texture_dds": {"source": 0}}}),
                 json!({"source": 50}),
             ])
             .collect();
@@ -85,11 +85,23 @@ fn images_that_cannot_be_had_leave_their_materials() {
     std::fs::write(directory.path().join("a b.png"), png).expect("written");
     let scene =
         load_in(directory.path(), "model.gltf", model.to_string().as_bytes()).expect("loads");
-    let kept: Vec<usize> = (0..8)
-        .filter(|&i| scene.materials[i].base_color_texture.is_some())
-        .collect();
+    // A magenta checker, sharp, stands in for the colours of the others.
+    let is_stand_in = |i: usize| {
+        let texture = scene.materials[i]
+            .base_color_texture
+            .expect("there")
+            .texture;
+        let texture = &scene.textures[texture as usize];
+        let image = &scene.images[texture.image as usize];
+        let is_checker = image.name == "stand-in" && texture.filter == Filter::Nearest;
+        let Some(Pixels::Rgba8(pixels)) = &image.pixels else {
+            panic!("{image:?}")
+        };
+        is_checker && pixels[..2] == [[255, 0, 255, 255], [60, 0, 60, 255]]
+    };
+    let kept: Vec<usize> = (0..8).filter(|&i| !is_stand_in(i)).collect();
     assert_eq!(kept, [4]);
-    assert_eq!(scene.images.len(), 6);
+    assert_eq!(scene.images.len(), 7);
     for words in [
         "image 0: left out of its materials: cannot read",
         "image 1: left out of its materials: cannot read",
@@ -98,6 +110,7 @@ fn images_that_cannot_be_had_leave_their_materials() {
         "image 5: left out of its materials: buffer view 77 is not there",
         "texture 6: left out of its materials: it has no image of a kind that is read",
         "texture 7: left out of its materials: its image is not there",
+        "material \"material 0\" and 6 more: the image of its colour is left out: a magenta checker stands in",
     ] {
         assert!(
             has_note(&scene, words),
@@ -135,8 +148,8 @@ fn an_emissive_texture_that_cannot_be_had_leaves_no_light() {
             {"uri": format!("data:image/png;base64,{PNG}")},
         ]);
         m["textures"] = json!([
-            {"source": 0}, {"source": 1}, {"extensions": {"KHR_texture_basisu": {"source": 0}}},
-            {"extensions": {"EXT_texture_webp": {"source": 0}}}, {"source": 2},
+            {"source": 0}, {"source": 1}, {"extensions": {"MSFT_texture_dds": {"source": 0}}},
+            {"extensions": {"EXT_texture_avif": {"source": 0}}}, {"source": 2},
         ]);
         m["materials"] = (0..5)
             .map(|i| json!({"emissiveFactor": [1, 0.5, 0.25], "emissiveTexture": {"index": i}}))
@@ -195,4 +208,35 @@ fn a_scene_knows_the_files_it_was_read_from() {
         load_in(folder.path(), "b.gltf", triangle().to_string().as_bytes()).expect("loads"),
     );
     assert_eq!(scene.files[4..], [folder.path().join("b.gltf")]);
+}
+
+#[test]
+fn the_best_of_a_textures_images_is_shown() {
+    // A lossless WebP of two pixels, and the PNG of one.
+    let scene = good(|m| {
+        m["images"] = json!([
+            {"uri": format!("data:image/png;base64,{PNG}")},
+            {"uri": format!("data:image/webp;base64,{WEBP}"), "mimeType": "image/webp"},
+        ]);
+        let webp = |source: usize| json!({"EXT_texture_webp": {"source": source}});
+        m["textures"] = json!([
+            {"source": 0}, {"source": 0, "extensions": webp(1)}, {"extensions": webp(1)}, {"source": 0, "extensions": webp(9)},
+        ]);
+        m["materials"] = (0..4)
+            .map(|i| json!({"pbrMetallicRoughness": {"baseColorTexture": {"index": i}}}))
+            .collect();
+        let primitives = (0..4).map(|i| json!({"attributes": {"POSITION": 0}, "material": i}));
+        m["meshes"][0]["primitives"] = primitives.collect();
+    });
+    let widths: Vec<u32> = scene
+        .materials
+        .iter()
+        .map(|m| m.base_color_texture.expect("there").texture)
+        .map(|t| scene.images[scene.textures[t as usize].image as usize].width)
+        .collect();
+    assert_eq!(widths, [1, 2, 2, 1]);
+    let Some(Pixels::Rgba8(pixels)) = &scene.images[1].pixels else {
+        panic!("no pixels")
+    };
+    assert_eq!(pixels[..], [[10, 20, 30, 255], [200, 100, 50, 255]]);
 }

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use base64::Engine;
 use base64::prelude::BASE64_STANDARD;
-use bspray::import::load;
+use bspray::import::{ImportOptions, load_with};
 use bspray::scene::Scene;
 use serde_json::{Value, json};
 
@@ -18,6 +18,9 @@ pub(crate) const FLOAT: u32 = 5126;
 /// One pixel, red 255, green 128, blue 0, as PNG.
 pub(crate) const PNG: &str =
     "iVBORw0KGgoAAAANSUhEUgAAAAEAAAABCAIAAACQd1PeAAAADElEQVR4nGP438AAAAQBAYDFKhhdAAAAAElFTkSuQmCC";
+
+/// Two pixels, (10, 20, 30) and (200, 100, 50), as lossless WebP.
+pub(crate) const WEBP: &str = "UklGRiIAAABXRUJQVlA4TBYAAAAvAQAAAA9wCqgr+J7CY/6DBxWI6H8A";
 
 /// A triangle of 1 x 2 units at z = 3, without indices.
 pub(crate) fn triangle() -> Value {
@@ -53,7 +56,10 @@ pub(crate) fn push(model: &mut Value, key: &str, item: Value) -> usize {
 
 /// Adds a buffer with one view of it.
 pub(crate) fn add_view(model: &mut Value, bytes: &[u8]) -> usize {
-    let uri = format!("data:;base64,{}", BASE64_STANDARD.encode(bytes));
+    let uri = format!(
+        "data:application/octet-stream;base64,{}",
+        BASE64_STANDARD.encode(bytes)
+    );
     let buffer = push(
         model,
         "buffers",
@@ -104,9 +110,18 @@ pub(crate) fn load_bytes(name: &str, bytes: &[u8]) -> Result<Scene, String> {
 }
 
 pub(crate) fn load_in(directory: &Path, name: &str, bytes: &[u8]) -> Result<Scene, String> {
+    load_in_with(directory, name, bytes, &ImportOptions::default())
+}
+
+fn load_in_with(
+    directory: &Path,
+    name: &str,
+    bytes: &[u8],
+    options: &ImportOptions,
+) -> Result<Scene, String> {
     let file: PathBuf = directory.join(name);
     std::fs::write(&file, bytes).expect("written");
-    let scene = load(std::slice::from_ref(&file)).map_err(|e| e.to_string())?;
+    let scene = load_with(std::slice::from_ref(&file), options).map_err(|e| e.to_string())?;
     for mesh in &scene.meshes {
         assert_eq!(mesh.validate(), Ok(()));
         assert!(mesh.positions.iter().all(|p| p.is_finite()));
@@ -125,6 +140,12 @@ pub(crate) fn load_in(directory: &Path, name: &str, bytes: &[u8]) -> Result<Scen
 
 pub(crate) fn load_model(model: &Value) -> Result<Scene, String> {
     load_bytes("model.gltf", model.to_string().as_bytes())
+}
+
+pub(crate) fn load_model_with(model: &Value, options: &ImportOptions) -> Result<Scene, String> {
+    let directory = tempfile::tempdir().expect("a temporary directory");
+    let bytes = model.to_string();
+    load_in_with(directory.path(), "model.gltf", bytes.as_bytes(), options)
 }
 
 /// The changed triangle, which must load.

@@ -117,22 +117,19 @@ fn a_hundred_thousand_nodes_deep() {
 }
 
 #[test]
-fn skins_morphs_and_animations_are_shown_at_rest() {
+fn hidden_nodes_hide_what_hangs_from_them() {
     let scene = good(|m| {
-        m["nodes"][0]["skin"] = json!(0);
-        m["skins"] = json!([{"joints": [0]}]);
-        m["meshes"][0]["primitives"][0]["targets"] = json!([{"POSITION": 0}]);
-        m["meshes"][0]["weights"] = json!([1.0]);
-        m["animations"] = json!([{"samplers": [], "channels": []}]);
+        m["extensionsRequired"] = json!(["KHR_node_visibility"]);
+        let visible = |shows: bool| json!({"KHR_node_visibility": {"visible": shows}});
+        m["scenes"][0]["nodes"] = json!([0, 2]);
+        m["nodes"] = json!([
+            {"mesh": 0, "name": "hidden", "extensions": visible(false), "children": [1]},
+            {"mesh": 0, "name": "below", "extensions": visible(true)},
+            {"mesh": 0, "name": "shown", "extensions": visible(true)},
+        ]);
     });
-    assert_eq!(scene.notes.len(), 3, "{:?}", scene.notes);
-    for words in [
-        "node 0: its skin is left out",
-        "mesh 0: morph targets are left out",
-        "animations: left out",
-    ] {
-        assert!(has_note(&scene, words), "{words}");
-    }
+    let names: Vec<_> = scene.instances.iter().map(|i| i.name.as_str()).collect();
+    assert_eq!(names, ["shown"]);
 }
 
 #[test]

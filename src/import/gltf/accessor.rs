@@ -9,6 +9,7 @@ use ::gltf::json::accessor::{ComponentType, Type};
 use ::gltf::json::validation::Checked;
 
 use super::document::Document;
+use super::draco;
 
 /// Most elements that an accessor without bytes (all zeros, but for its sparse values) may claim: 2^20.
 ///
@@ -60,6 +61,8 @@ impl<'a> Accessor<'a> {
             Checked::Valid(Type::Vec2) => 2,
             Checked::Valid(Type::Vec3) => 3,
             Checked::Valid(Type::Vec4) => 4,
+            // Columns of floats have no padding between them.
+            Checked::Valid(Type::Mat4) if component == ComponentType::F32 => 16,
             Checked::Valid(_) => return Err(named("holds matrices".to_owned())),
             Checked::Invalid => return Err(named("its type is unknown".to_owned())),
         };
@@ -116,6 +119,27 @@ impl<'a> Accessor<'a> {
         })
     }
 
+    /// An accessor of which the data was compressed: `values` stand for the bytes of accessor `index`.
+    pub(super) fn unpacked(
+        document: &Document,
+        index: usize,
+        values: &'a draco::Values,
+    ) -> Result<Self, String> {
+        let size = values.component.size() * values.width;
+        Ok(Self {
+            index,
+            count: values.bytes.len().checked_div(size).unwrap_or(0),
+            component: values.component,
+            width: values.width,
+            normalized: document.accessor(index)?.normalized,
+            base: Some(Elements {
+                bytes: &values.bytes,
+                stride: size,
+            }),
+            sparse: None,
+        })
+    }
+
     /// The accessor, if its elements have as many components as `widths` says.
     pub(super) fn with_width(self, widths: RangeInclusive<usize>) -> Result<Self, String> {
         if widths.contains(&self.width) {
@@ -127,6 +151,11 @@ impl<'a> Accessor<'a> {
             self.width,
             widths.start()
         ))
+    }
+
+    /// Components of an element.
+    pub(super) fn width(&self) -> usize {
+        self.width
     }
 
     /// Integers are fractions of the largest, whether the file says so or not.
@@ -237,11 +266,6 @@ impl<'a> Accessor<'a> {
             }
         }
         values
-    }
-
-    /// Whether the accessor has neither bytes nor sparse values of its own.
-    pub(super) fn is_empty_shell(&self) -> bool {
-        self.base.is_none() && self.sparse.is_none()
     }
 }
 

@@ -1,28 +1,50 @@
 //! The attributes of a primitive's vertices: which accessors hold them, and what their values may be.
 
-use ::gltf::json::mesh::{Primitive, Semantic};
+use ::gltf::json::mesh::{MorphTarget, Primitive, Semantic};
 use ::gltf::json::validation::Checked;
 use glam::{Vec2, Vec3, Vec4};
 
 use super::notes::Notes;
+use super::pose::MeshPose;
 
 /// Most sets of texture coordinates that are read: more than any file was seen to have. A set's number costs nothing in
 /// the file, so there must be a limit.
 const MAX_UV_SETS: u32 = 8;
 
+/// Most sets of joints that are read, four joints each.
+const MAX_JOINT_SETS: u32 = 8;
+
 /// The accessors of a primitive's vertices.
-#[derive(PartialEq, Eq)]
+#[derive(Debug, PartialEq, Eq)]
 pub(super) struct Attributes {
     pub(super) position: usize,
     pub(super) normal: Option<usize>,
     pub(super) color: Option<usize>,
     /// Set and accessor, ascending.
     pub(super) uvs: Vec<(u32, usize)>,
+    /// The morph targets that are gone to.
+    pub(super) morphs: Vec<Morph>,
+    /// Set, joints and their weights, four of each a set.
+    pub(super) joints: Vec<(u32, usize, usize)>,
+}
+
+/// A morph target: the accessors of its displacements.
+#[derive(Debug, PartialEq, Eq)]
+pub(super) struct Morph {
+    /// Its place among the primitive's targets.
+    pub(super) target: usize,
+    pub(super) position: Option<usize>,
+    pub(super) normal: Option<usize>,
 }
 
 impl Attributes {
-    /// `None` without positions.
-    pub(super) fn of(json: &Primitive, element: &str, notes: &mut Notes) -> Option<Self> {
+    /// `None` without positions. What bends the mesh in `pose` needs attributes of its own.
+    pub(super) fn of(
+        json: &Primitive,
+        pose: &MeshPose,
+        element: &str,
+        notes: &mut Notes,
+    ) -> Option<Self> {
         let accessor = |semantic| {
             let found = json.attributes.get(&Checked::Valid(semantic));
             found.map(|a| a.value())
@@ -51,8 +73,42 @@ impl Attributes {
             normal: accessor(Semantic::Normals),
             color: accessor(Semantic::Colors(0)),
             uvs,
+            morphs: morphs(json, pose),
+            joints: match pose.skin {
+                Some(_) => joints(json, element, notes),
+                None => Vec::new(),
+            },
         })
     }
+}
+
+fn morphs(json: &Primitive, pose: &MeshPose) -> Vec<Morph> {
+    let targets = json.targets.iter().flatten().enumerate();
+    let gone_to = |target: &usize| pose.weights.get(*target).is_some_and(|w| w.abs() > 0.0);
+    let morph = |(target, json): (usize, &MorphTarget)| {
+        gone_to(&target).then(|| Morph {
+            target,
+            position: json.positions.map(|a| a.value()),
+            normal: json.normals.map(|a| a.value()),
+        })
+    };
+    targets.filter_map(morph).collect()
+}
+
+/// The sets of joints that have weights.
+fn joints(json: &Primitive, element: &str, notes: &mut Notes) -> Vec<(u32, usize, usize)> {
+    let accessor = |semantic| json.attributes.get(&Checked::Valid(semantic));
+    let set = |set| {
+        let joints = accessor(Semantic::Joints(set))?;
+        let weights = accessor(Semantic::Weights(set))?;
+        Some((set, joints.value(), weights.value()))
+    };
+    let sets: Vec<_> = (0..MAX_JOINT_SETS).filter_map(set).collect();
+    if sets.is_empty() {
+        let text = "has no joints for its skin: shown where its node places it";
+        notes.add(element, text);
+    }
+    sets
 }
 
 /// A normal of unit length; zero, which means the triangle's own, where there is none.

@@ -50,7 +50,9 @@ impl<'a> Buffers<'a> {
                     .as_ref()
                     .is_some_and(|e| !e.others.is_empty()) =>
             {
-                return Err("has no data of its own, only what a compression extension puts there: decode the file first, for example with gltf-transform".to_owned());
+                return Err(
+                    "has no data: it stands for what its buffer views hold compressed".to_owned(),
+                );
             }
             (None, _) => return Err("has no URI, and the file no binary chunk for it".to_owned()),
         };

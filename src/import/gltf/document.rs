@@ -3,16 +3,19 @@
 //! What `gltf-json` 1.4.1 was found to do with legal files, and what is done about it: it refuses `extras` that are not objects,
 //! scenes without `nodes`, animation channels without a node and whole numbers written `3.0` (mended by [`mended`]);
 //! it cuts indices to 32 bits (found by [`has_large_integer`]); it rounds node transforms to single
-//! precision (read once more, as [`Pose`]).
+//! precision (read once more, as [`Pose`]). Animations are kept as JSON until one is asked for.
 
 use std::path::Path;
+use std::sync::OnceLock;
 
 use ::gltf::json::{Root, accessor, buffer};
 use serde::Deserialize;
-use serde_json::{Map, Number, Value};
+use serde_json::Value;
 
 use super::buffers::Buffers;
 use super::container::Container;
+use super::mend::{has_large_integer, mended};
+use super::meshopt_views;
 use super::uri::Files;
 use crate::import::ImportError;
 
@@ -22,13 +25,16 @@ pub(super) struct Document<'a> {
     pub(super) root: Root,
     /// The transform of each node, in double precision.
     pub(super) poses: Vec<Pose>,
-    pub(super) has_animations: bool,
+    pub(super) animations: Vec<Value>,
     pub(super) buffers: Buffers<'a>,
+    /// Buffer views that were compressed.
+    unpacked: Vec<OnceLock<Result<Vec<u8>, String>>>,
     /// The files beside it that were read.
     pub(super) files: Files,
 }
 
-/// A node's transform as the file has it: a matrix (columns), or translation, rotation (x, y, z, w) and scale.
+/// What of a node can move: its transform as the file has it, a matrix (columns), or translation, rotation (x, y, z, w) and
+/// scale, and how far it moves its mesh towards each morph target.
 #[derive(Clone, Debug, Default, Deserialize)]
 #[serde(default)]
 pub(super) struct Pose {
@@ -36,6 +42,7 @@ pub(super) struct Pose {
     pub(super) translation: Option<[f64; 3]>,
     pub(super) rotation: Option<[f64; 4]>,
     pub(super) scale: Option<[f64; 3]>,
+    pub(super) weights: Option<Vec<f64>>,
 }
 
 #[derive(Deserialize)]
@@ -51,9 +58,11 @@ struct Asset {
 }
 
 #[derive(Deserialize)]
-struct Poses {
+struct Moving {
     #[serde(default)]
     nodes: Vec<Pose>,
+    #[serde(default)]
+    animations: Value,
 }
 
 impl<'a> Document<'a> {
@@ -62,30 +71,33 @@ impl<'a> Document<'a> {
         let wrong = |e: &dyn std::fmt::Display| ImportError::invalid(file, "JSON", e.to_string());
         check_version(file, serde_json::from_slice(json).map_err(|e| wrong(&e))?)?;
         let strict: Result<Root, _> = serde_json::from_slice(json);
-        let (root, has_animations) = match strict {
-            Ok(root) if !has_large_integer(json) => {
-                let has_animations = !root.animations.is_empty();
-                (root, has_animations)
-            }
+        let root = match strict {
+            Ok(root) if !has_large_integer(json) => root,
             strict => {
-                let (value, has_animations) = mended(json).map_err(|e| wrong(&e))?;
-                let root = match (Root::deserialize(value), strict) {
+                let value = mended(json).map_err(|e| wrong(&e))?;
+                match (Root::deserialize(value), strict) {
                     (Ok(root), _) => root,
                     // The error of the first reading: it knows its line.
                     (Err(_), Err(e)) | (Err(e), Ok(_)) => return Err(wrong(&e)),
-                };
-                (root, has_animations)
+                }
             }
         };
-        let Poses { nodes: mut poses } = serde_json::from_slice(json).map_err(|e| wrong(&e))?;
+        let moving: Moving = serde_json::from_slice(json).map_err(|e| wrong(&e))?;
+        let mut poses = moving.nodes;
         poses.resize(root.nodes.len(), Pose::default());
+        let animations = match moving.animations {
+            Value::Array(animations) => animations,
+            _ => Vec::new(),
+        };
         let buffers = Buffers::new(file, &root, container.binary);
+        let unpacked = root.buffer_views.iter().map(|_| OnceLock::new()).collect();
         Ok(Self {
             file,
             root,
             poses,
-            has_animations,
+            animations,
             buffers,
+            unpacked,
             files: Files::default(),
         })
     }
@@ -130,20 +142,46 @@ impl<'a> Document<'a> {
                 "buffer view {index} is not there: the file has {count}"
             ));
         };
-        let buffer = view.buffer.value();
-        let bytes = self.buffers.get(&self.root, &self.files, buffer)?;
+        let named = |cause: String| format!("buffer view {index} {cause}");
+        if let Some((name, extension)) = meshopt_views::extension(view) {
+            let decoded =
+                self.unpacked[index].get_or_init(|| meshopt_views::decode(self, extension));
+            let bytes = decoded
+                .as_deref()
+                .map_err(|cause| named(format!("({name}): {cause}")))?;
+            let claimed = usize::try_from(view.byte_length.0).unwrap_or(usize::MAX);
+            let within = bytes.get(..claimed).ok_or_else(|| {
+                let found = bytes.len();
+                named(format!(
+                    "({name}): holds {found} bytes, its byteLength claims {claimed}"
+                ))
+            })?;
+            return Ok((within, view));
+        }
         let offset = view.byte_offset.map_or(0, |o| o.0);
-        let end = offset.saturating_add(view.byte_length.0);
+        let range = self.buffer_range(view.buffer.value(), offset, view.byte_length.0);
+        Ok((range.map_err(named)?, view))
+    }
+
+    /// Some bytes of a buffer.
+    pub(super) fn buffer_range(
+        &self,
+        buffer: usize,
+        offset: u64,
+        length: u64,
+    ) -> Result<&[u8], String> {
+        let bytes = self.buffers.get(&self.root, &self.files, buffer);
+        let bytes = bytes.map_err(|cause| format!("cannot be had: {cause}"))?;
+        let end = offset.saturating_add(length);
         // A range that does not fit in usize is no part of a slice either.
         let range = usize::try_from(offset).unwrap_or(usize::MAX)
             ..usize::try_from(end).unwrap_or(usize::MAX);
-        let within = bytes.get(range).ok_or_else(|| {
+        bytes.get(range).ok_or_else(|| {
             format!(
-                "buffer view {index} claims bytes {offset}..{end} of buffer {buffer}, which has {}",
+                "claims bytes {offset}..{end} of buffer {buffer}, which has {}",
                 bytes.len()
             )
-        })?;
-        Ok((within, view))
+        })
     }
 }
 
@@ -170,98 +208,6 @@ fn check_version(file: &Path, versions: Versions) -> Result<(), ImportError> {
         least.unwrap_or(version)
     );
     Err(ImportError::unsupported(file, "JSON", cause))
-}
-
-/// Whether the text has an integer beyond 32 bits. False alarms (in strings) only cost time.
-fn has_large_integer(json: &[u8]) -> bool {
-    json.split(|b| !b.is_ascii_digit())
-        .filter(|digits| digits.len() >= 10)
-        .filter_map(|digits| std::str::from_utf8(digits).ok())
-        .any(|digits| digits.parse::<u64>().is_ok_and(|n| n > u64::from(u32::MAX)))
-}
-
-/// The document without what `gltf-json` would refuse although it is legal (or harmless), and whether it had animations.
-fn mended(json: &[u8]) -> Result<(Value, bool), String> {
-    let mut value: Value = serde_json::from_slice(json).map_err(|e| e.to_string())?;
-    mend(&mut value)?;
-    let mut has_animations = false;
-    if let Some(root) = value.as_object_mut() {
-        let animations = root.remove("animations");
-        has_animations = animations
-            .as_ref()
-            .and_then(Value::as_array)
-            .is_some_and(|a| !a.is_empty());
-        let scenes = root.get_mut("scenes").and_then(Value::as_array_mut);
-        for scene in scenes
-            .into_iter()
-            .flatten()
-            .filter_map(Value::as_object_mut)
-        {
-            scene
-                .entry("nodes")
-                .or_insert_with(|| Value::Array(Vec::new()));
-        }
-    }
-    Ok((value, has_animations))
-}
-
-/// Properties that are indices into the document's arrays.
-const INDEX_KEYS: [&str; 14] = [
-    "buffer",
-    "bufferView",
-    "camera",
-    "children",
-    "index",
-    "indices",
-    "light",
-    "material",
-    "mesh",
-    "nodes",
-    "sampler",
-    "scene",
-    "skin",
-    "source",
-];
-
-/// Drops extras and nulls, and writes `3.0` as `3`. Deep nesting was refused by the parser (128 levels).
-fn mend(value: &mut Value) -> Result<(), String> {
-    match value {
-        Value::Object(map) => mend_object(map),
-        Value::Array(items) => items.iter_mut().try_for_each(mend),
-        Value::Number(number) => {
-            let whole = number.as_f64().filter(|f| {
-                // Beyond 2^53 not every integer is a double.
-                number.is_f64() && f.fract() == 0.0 && f.abs() <= 9_007_199_254_740_992.0
-            });
-            if let Some(f) = whole {
-                *number = Number::from(f as i64);
-            }
-            Ok(())
-        }
-        _ => Ok(()),
-    }
-}
-
-fn mend_object(map: &mut Map<String, Value>) -> Result<(), String> {
-    map.remove("extras");
-    map.retain(|_, v| !v.is_null());
-    for (key, value) in map.iter_mut() {
-        mend(value)?;
-        let too_large = |v: &Value| v.as_u64().filter(|&n| n > u64::from(u32::MAX));
-        let is_index = INDEX_KEYS.contains(&key.as_str());
-        let found = match value {
-            Value::Number(_) if is_index => too_large(value),
-            Value::Array(items) if is_index => items.iter().find_map(too_large),
-            Value::Object(attributes) if key == "attributes" => {
-                attributes.values().find_map(too_large)
-            }
-            _ => None,
-        };
-        if let Some(n) = found {
-            return Err(format!("{key:?}: index {n} is beyond every array"));
-        }
-    }
-    Ok(())
 }
 
 #[cfg(test)]

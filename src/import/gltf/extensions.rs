@@ -14,7 +14,11 @@ use super::notes::Notes;
 use crate::import::ImportError;
 
 /// Extensions that are read.
-const SUPPORTED: [&str; 11] = [
+const SUPPORTED: [&str; 19] = [
+    "EXT_mesh_gpu_instancing",
+    "EXT_meshopt_compression",
+    "EXT_texture_webp",
+    "KHR_draco_mesh_compression",
     "KHR_lights_punctual",
     "KHR_materials_clearcoat",
     "KHR_materials_emissive_strength",
@@ -23,8 +27,12 @@ const SUPPORTED: [&str; 11] = [
     "KHR_materials_specular",
     "KHR_materials_transmission",
     "KHR_materials_unlit",
+    "KHR_materials_variants",
     "KHR_materials_volume",
     "KHR_mesh_quantization",
+    "KHR_meshopt_compression",
+    "KHR_node_visibility",
+    "KHR_texture_basisu",
     "KHR_texture_transform",
 ];
 
@@ -32,21 +40,10 @@ const SUPPORTED: [&str; 11] = [
 const SPECULAR_GLOSSINESS: &str = "KHR_materials_pbrSpecularGlossiness";
 
 /// What is lost without an extension, for those that are common, and what to do where it is required.
-const KNOWN: [(&str, &str); 11] = [
-    ("EXT_mesh_gpu_instancing", "each node shows its mesh once"),
-    (
-        "EXT_meshopt_compression",
-        "the uncompressed buffers are read",
-    ),
-    ("EXT_texture_webp", "the textures' other images are used"),
-    ("KHR_animation_pointer", "there is no animation"),
-    (
-        "KHR_draco_mesh_compression",
-        "the uncompressed accessors are read",
-    ),
-    ("KHR_materials_variants", "the default materials are shown"),
-    ("KHR_node_visibility", "all nodes are shown"),
-    ("KHR_texture_basisu", "the textures' other images are used"),
+const KNOWN: [(&str, &str); 6] = [
+    ("EXT_texture_avif", "the textures' other images are used"),
+    ("KHR_animation_pointer", "what it animates stays at rest"),
+    ("MSFT_texture_dds", "the textures' other images are used"),
     ("KHR_xmp", "it describes the file, not the picture"),
     ("KHR_xmp_json_ld", "it describes the file, not the picture"),
     (
@@ -67,11 +64,10 @@ pub(super) fn gate(document: &Document, notes: &mut Notes) -> Result<(), ImportE
         .collect();
     if !missing.is_empty() {
         let names: Vec<&str> = missing.iter().copied().collect();
-        let way_out = match names.iter().any(|n| n.contains("compression")) {
-            true => "decode the file first, for example with gltf-transform",
-            false => "export the file without",
-        };
-        let cause = format!("not supported: {}; {way_out}", names.join(", "));
+        let cause = format!(
+            "not supported: {}; export the file without",
+            names.join(", ")
+        );
         return Err(ImportError::unsupported(
             document.file,
             "extensionsRequired",
@@ -121,6 +117,12 @@ impl<'a> Extension<'a> {
             .collect()
     }
 
+    /// Whether an array holds `index`.
+    pub(super) fn lists(self, key: &str, index: usize) -> bool {
+        let items = self.0.get(key).and_then(Value::as_array);
+        items.is_some_and(|i| i.iter().any(|v| v.as_u64() == Some(index as u64)))
+    }
+
     pub(super) fn text(self, key: &str) -> Option<&'a str> {
         self.0.get(key)?.as_str()
     }
@@ -129,6 +131,16 @@ impl<'a> Extension<'a> {
     pub(super) fn index(self, key: &str) -> Option<usize> {
         let index = self.0.get(key)?.as_u64()?;
         Some(usize::try_from(index).unwrap_or(usize::MAX))
+    }
+
+    /// The members that are indices.
+    pub(super) fn indices(self) -> impl Iterator<Item = (&'a String, usize)> {
+        let index = |v: &Value| Some(usize::try_from(v.as_u64()?).unwrap_or(usize::MAX));
+        self.0.iter().filter_map(move |(k, v)| Some((k, index(v)?)))
+    }
+
+    pub(super) fn flag(self, key: &str) -> Option<bool> {
+        self.0.get(key)?.as_bool()
     }
 
     pub(super) fn number(self, key: &str) -> Option<f32> {

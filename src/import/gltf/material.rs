@@ -9,6 +9,7 @@ use glam::{Vec3, Vec4};
 use serde_json::{Map, Value};
 
 use super::extensions::Extension;
+use super::notes::Notes;
 use super::texture::Textures;
 use crate::scene::{
     AlphaMode, Clearcoat, Material, Sheen, Specular, TextureRef, Transmission, Volume,
@@ -80,6 +81,32 @@ pub(super) fn read(json: &json::Material, index: usize, textures: &Textures) -> 
     read_specular_glossiness(&mut material, json, textures);
     read_lobes(&mut material, json, textures);
     material
+}
+
+/// Gives a material that shows an image that cannot be had a checker for its colour instead, so that it is seen.
+pub(super) fn mark_lost_color(
+    material: &mut Material,
+    json: &json::Material,
+    textures: &Textures,
+    notes: &mut Notes,
+) {
+    let pbr = &json.pbr_metallic_roughness;
+    let is_lost = match specular_glossiness(json) {
+        Some(e) => e.object("diffuseTexture").is_some(),
+        None => pbr.base_color_texture.is_some(),
+    };
+    if !is_lost || material.base_color_texture.is_some() {
+        return;
+    }
+    let uv_set = pbr.base_color_texture.as_ref().map_or(0, |t| t.tex_coord);
+    material.base_color_texture = Some(TextureRef {
+        texture: textures.stand_in(),
+        uv_set,
+        ..TextureRef::default()
+    });
+    material.base_color = Vec4::ONE.with_w(material.base_color.w);
+    let text = "the image of its colour is left out: a magenta checker stands in for it";
+    notes.add(format!("material {:?}", material.name), text);
 }
 
 fn extensions(json: &json::Material) -> Option<&Map<String, Value>> {

@@ -3,17 +3,21 @@
 //! Primitives that name the same accessors share their vertices, and vertices that no triangle uses are left out: files keep
 //! the vertices of many primitives, and of many meshes, in one accessor.
 
+use std::borrow::Cow;
 use std::ops::Range;
 
 use ::gltf::json::mesh::{Mode, Primitive};
 use ::gltf::json::validation::Checked;
-use glam::{Vec2, Vec3, Vec4};
 
 use super::accessor::Accessor;
-use super::attributes::{Attributes, color_or_white, finite_or_zero, unit_or_zero};
+use super::attributes::Attributes;
 use super::document::Document;
+use super::draco;
 use super::notes::Notes;
+use super::pose::{MeshPose, Shape};
 use super::primitive;
+use super::variants;
+use super::vertices::{self, Group};
 use crate::import::{ImportError, clean};
 use crate::scene::{Defect, Part, TriangleMesh};
 
@@ -24,27 +28,21 @@ pub(super) struct MeshRead {
     pub(super) defects: Vec<Defect>,
 }
 
-/// Vertices that primitives share.
-struct Group {
-    attributes: Attributes,
-    vertex_count: usize,
-    /// Named in messages.
-    first_primitive: usize,
-    /// The triangles over them. Until the vertices are read, these count vertices as the accessors do.
-    runs: Vec<Range<usize>>,
-}
-
-/// Reads mesh `index`, which is there. Parts name materials by the file's index; those without one have `default_material`.
+/// Reads a mesh in its shape, with the materials of a variant. Parts name materials by the file's index; those without one have `default_material`.
 pub(super) fn read(
     document: &Document,
-    index: usize,
+    shape: &Shape,
+    variant: Option<usize>,
     default_material: u32,
 ) -> Result<MeshRead, ImportError> {
+    let index = shape.mesh;
     let json = &document.root.meshes[index];
     let label = document.mesh_label(index);
     let mut reader = Reader {
         document,
         label: &label,
+        pose: &shape.pose,
+        variant,
         notes: Notes::new(document.file),
         mesh: TriangleMesh {
             name: json.name.clone().unwrap_or_else(|| label.clone()),
@@ -55,14 +53,9 @@ pub(super) fn read(
     for (i, primitive) in json.primitives.iter().enumerate() {
         reader.read_triangles(i, primitive, default_material)?;
     }
-    if json.primitives.iter().any(|p| p.targets.is_some()) {
-        let text = "morph targets are left out: shown without them";
-        reader.notes.add(&label, text);
-    }
     for group in std::mem::take(&mut reader.groups) {
         let primitive = group.first_primitive;
-        reader
-            .read_vertices(group)
+        vertices::read(document, &group, &shape.pose, &mut reader.mesh)
             .map_err(|cause| document.invalid(format!("{label}, primitive {primitive}"), cause))?;
     }
     let Reader {
@@ -80,6 +73,8 @@ pub(super) fn read(
 struct Reader<'a, 'file> {
     document: &'a Document<'file>,
     label: &'a str,
+    pose: &'a MeshPose,
+    variant: Option<usize>,
     notes: Notes,
     mesh: TriangleMesh,
     groups: Vec<Group>,
@@ -103,25 +98,29 @@ impl Reader<'_, '_> {
             self.notes.add(element, "points and lines are left out");
             return Ok(());
         }
-        let Some(attributes) = Attributes::of(json, &element, &mut self.notes) else {
+        let Some(attributes) = Attributes::of(json, self.pose, &element, &mut self.notes) else {
             self.notes.add(element, "left out: it has no positions");
             return Ok(());
         };
-        let positions = Accessor::open(document, attributes.position).map_err(invalid)?;
-        let is_draco = json
-            .extensions
-            .as_ref()
-            .is_some_and(|e| e.others.contains_key("KHR_draco_mesh_compression"));
-        if is_draco && positions.is_empty_shell() {
-            let cause = "is only there in KHR_draco_mesh_compression: decode the file first, for example with gltf-transform";
-            return Err(ImportError::unsupported(document.file, element, cause));
-        }
-        let vertex_count = positions.count;
-        let indices = self.indices(json, vertex_count).map_err(invalid)?;
+        let unpacked = match draco::extension(document, json) {
+            Some(extension) => Some(draco::unpack(document, extension).map_err(invalid)?),
+            None => None,
+        };
+        let (mode, vertex_count, indices) = match &unpacked {
+            // Whatever the primitive says, Draco has lists of triangles.
+            Some(u) => (Mode::Triangles, u.vertex_count, Cow::Borrowed(&u.indices)),
+            None => {
+                let positions = Accessor::open(document, attributes.position).map_err(invalid)?;
+                let indices = self.indices(json, positions.count).map_err(invalid)?;
+                (mode, positions.count, Cow::Owned(indices))
+            }
+        };
         let materials = document.root.materials.len();
-        let material = match json.material {
+        let own = json.material.map(|m| m.value());
+        let material = self.variant.and_then(|v| variants::material(json, v));
+        let material = match material.or(own) {
             None => default_material,
-            Some(m) if m.value() < materials => m.value() as u32,
+            Some(m) if m < materials => m as u32,
             Some(m) => {
                 let cause = format!("material {m} is not there: the file has {materials}");
                 return Err(invalid(cause));
@@ -137,11 +136,15 @@ impl Reader<'_, '_> {
             self.notes.add(&element, text);
         }
         let run = self.add_part(triangles, material).map_err(invalid)?;
-        match self.groups.iter_mut().find(|g| g.attributes == attributes) {
+        let is_plain = unpacked.is_none();
+        let shares =
+            |g: &&mut Group| is_plain && g.unpacked.is_none() && g.attributes == attributes;
+        match self.groups.iter_mut().find(shares) {
             Some(group) => group.runs.push(run),
             None => self.groups.push(Group {
                 attributes,
                 vertex_count,
+                unpacked,
                 first_primitive: index,
                 runs: vec![run],
             }),
@@ -188,106 +191,10 @@ impl Reader<'_, '_> {
         }
         Ok(run)
     }
-
-    /// Adds the vertices that a group's triangles use, and makes the triangles name them.
-    fn read_vertices(&mut self, group: Group) -> Result<(), String> {
-        let base = self.mesh.positions.len();
-        let used = self.renumber(&group.runs)?;
-        let document = self.document;
-        let open = |name: &str, index: usize, widths| {
-            let accessor = Accessor::open(document, index).and_then(|a| a.with_width(widths));
-            match accessor {
-                Ok(a) if a.count < group.vertex_count => Err(format!(
-                    "{name}: accessor {index} has {} elements for {} vertices",
-                    a.count, group.vertex_count
-                )),
-                Ok(a) => Ok(a),
-                Err(cause) => Err(format!("{name}: {cause}")),
-            }
-        };
-        let mesh = &mut self.mesh;
-        let end = base + used.len();
-
-        let positions = open("POSITION", group.attributes.position, 3..=3)?;
-        let positions = positions.read(&used, [0.0; 3]);
-        let positions = positions.into_iter().map(Vec3::from).collect();
-        append(&mut mesh.positions, positions);
-        if let Some(index) = group.attributes.normal {
-            let normals = open("NORMAL", index, 3..=3)?.read(&used, [0.0; 3]);
-            mesh.normals.resize(base, Vec3::ZERO);
-            let normals = normals.into_iter().map(unit_or_zero).collect();
-            append(&mut mesh.normals, normals);
-        } else if !mesh.normals.is_empty() {
-            mesh.normals.resize(end, Vec3::ZERO);
-        }
-        if let Some(index) = group.attributes.color {
-            // The format wants integers normalised here; not all exporters say that they are.
-            let colors = open("COLOR_0", index, 3..=4)?.into_normalized();
-            let colors = colors.read(&used, [1.0; 4]);
-            mesh.colors.resize(base, Vec4::ONE);
-            let colors = colors.into_iter().map(color_or_white).collect();
-            append(&mut mesh.colors, colors);
-        } else if !mesh.colors.is_empty() {
-            mesh.colors.resize(end, Vec4::ONE);
-        }
-        for &(set, index) in &group.attributes.uvs {
-            let uvs = open(&format!("TEXCOORD_{set}"), index, 2..=2)?.read(&used, [0.0; 2]);
-            let set = set as usize;
-            if mesh.uv_sets.len() <= set {
-                mesh.uv_sets.resize(set + 1, Vec::new());
-            }
-            mesh.uv_sets[set].resize(base, Vec2::ZERO);
-            let uvs = uvs.into_iter().map(finite_or_zero).collect();
-            append(&mut mesh.uv_sets[set], uvs);
-        }
-        for set in mesh.uv_sets.iter_mut().filter(|s| !s.is_empty()) {
-            set.resize(end, Vec2::ZERO);
-        }
-        Ok(())
-    }
-
-    /// Makes the triangles of `runs` name the vertices that they use in the order of the accessor, behind those that the mesh
-    /// already has. Gives those vertices, as the accessor counts, ascending.
-    fn renumber(&mut self, runs: &[Range<usize>]) -> Result<Vec<u32>, String> {
-        const UNUSED: u32 = u32::MAX;
-        let base = self.mesh.positions.len();
-        let corners = |triangles: &[[u32; 3]]| {
-            let low = triangles.as_flattened().iter().copied().min();
-            low.zip(triangles.as_flattened().iter().copied().max())
-        };
-        let (low, high) = runs
-            .iter()
-            .filter_map(|run| corners(&self.mesh.triangles[run.clone()]))
-            .reduce(|(low, high), (l, h)| (low.min(l), high.max(h)))
-            .unwrap_or((0, 0));
-        // One place for each vertex between the least and the greatest: they are there, and indices name them.
-        let mut place = vec![UNUSED; (high - low) as usize + 1];
-        for run in runs {
-            for &v in self.mesh.triangles[run.clone()].as_flattened() {
-                place[(v - low) as usize] = 0;
-            }
-        }
-        let mut used = Vec::with_capacity(place.len());
-        for (v, place) in (low..=high).zip(&mut place) {
-            if *place != UNUSED {
-                *place = u32::try_from(base + used.len())
-                    .map_err(|_| "the mesh has more than 2^32 vertices".to_owned())?;
-                used.push(v);
-            }
-        }
-        if base != 0 || low != 0 || used.len() != place.len() {
-            for run in runs {
-                for v in self.mesh.triangles[run.clone()].as_flattened_mut() {
-                    *v = place[(*v - low) as usize];
-                }
-            }
-        }
-        Ok(used)
-    }
 }
 
 /// Adds `more` at the end; most meshes have one group, of which the vectors are taken as they are.
-fn append<T>(values: &mut Vec<T>, more: Vec<T>) {
+pub(super) fn append<T>(values: &mut Vec<T>, more: Vec<T>) {
     if values.is_empty() {
         *values = more;
     } else {

@@ -9,47 +9,78 @@
 //! Broken parts that the scene does not use do not matter: they are not looked at.
 
 mod accessor;
+mod animation;
 mod attributes;
+
 mod buffers;
 mod container;
 mod document;
+mod draco;
 mod extensions;
+mod instancing;
+mod ktx2;
 mod material;
+mod mend;
 mod mesh;
+mod meshopt_views;
 mod nodes;
 mod notes;
+mod pose;
 mod primitive;
+mod sampler;
+mod skin;
 mod texture;
 mod uri;
+mod variants;
+mod vertices;
 mod views;
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeSet;
 use std::path::Path;
 
-use glam::Vec3;
+use glam::{DAffine3, Vec3};
 use rayon::prelude::*;
 
 use self::document::Document;
 use self::mesh::MeshRead;
-use self::nodes::Placed;
 use self::notes::Notes;
+use self::pose::Shape;
 use self::texture::Textures;
-use super::ImportError;
+use super::{FileRead, ImportError, ImportOptions, images};
 use crate::geometry::Aabb;
 use crate::geometry::tolerance::COORDINATE_LIMIT;
-use crate::scene::{Defect, DefectCause, Instance, Scene, TriangleMesh};
+use crate::scene::{Defect, DefectCause, Filter, Instance, Scene, Texture, TriangleMesh};
 
 /// Reads a glTF file or GLB whose bytes are `bytes`, with the files that it names.
-pub(super) fn load(file: &Path, bytes: Vec<u8>) -> Result<Scene, ImportError> {
+pub(super) fn load(
+    file: &Path,
+    bytes: Vec<u8>,
+    options: &ImportOptions,
+) -> Result<FileRead, ImportError> {
     let mut notes = Notes::new(file);
     let container = container::split(file, &bytes, &mut notes)?;
-    let document = Document::read(file, &container)?;
+    let mut document = Document::read(file, &container)?;
     extensions::gate(&document, &mut notes)?;
+    animation::pose(&mut document, options.moment, &mut notes)?;
+    let variant = variants::choose(&document, options.variant.as_deref(), &mut notes)?;
     let placements = nodes::walk(&document, &mut notes)?;
 
     let mut scene = Scene::default();
-    let places = read_meshes(&document, &placements.meshes, &mut scene, &mut notes)?;
-    let bounds = place(&document, &placements.meshes, &places, &mut scene);
+    let (shapes, shape_of) = pose::shapes(&document, &placements)?;
+    let places = read_meshes(&document, &shapes, variant, &mut scene, &mut notes)?;
+    let mut bounds = Aabb::EMPTY;
+    let boxes: Vec<Aabb> = scene.meshes.par_iter().map(object_box).collect();
+    for (placed, shape) in placements.meshes.iter().zip(shape_of) {
+        let Some(mesh) = places[shape] else { continue };
+        let node = shapes[shape].pose.placement(placed.world_from_node);
+        let object = boxes[mesh as usize];
+        let many = instancing::placements(&document, placed.node, &mut notes)?;
+        for node_from_instance in many.unwrap_or_else(|| vec![DAffine3::IDENTITY]) {
+            let placement = node * node_from_instance;
+            let world = place(&document, placed.node, mesh, placement, object, &mut scene)?;
+            bounds = bounds.union(world);
+        }
+    }
     let cameras = placements.cameras.iter();
     scene.cameras = cameras
         .filter_map(|c| views::camera(&document, c, &bounds, &mut notes))
@@ -59,89 +90,92 @@ pub(super) fn load(file: &Path, bytes: Vec<u8>) -> Result<Scene, ImportError> {
         .filter_map(|l| views::light(&document, l, &mut notes))
         .collect();
     read_materials(&document, &mut scene, &mut notes);
+    let has_animations = !document.animations.is_empty();
+    let has_variants = !variants::names(&document).is_empty();
     scene.files.extend(document.files.into_paths());
     scene.notes = notes.finish();
-    Ok(scene)
+    Ok(FileRead {
+        scene,
+        has_animations,
+        has_variants,
+    })
 }
 
-/// Reads each mesh that is placed, once. Gives their places in the scene by the file's index.
+/// Reads each shape. Gives their places in the scene; those without triangles have none.
 fn read_meshes(
     document: &Document,
-    placed: &[Placed],
+    shapes: &[Shape],
+    variant: Option<usize>,
     scene: &mut Scene,
     notes: &mut Notes,
-) -> Result<BTreeMap<usize, u32>, ImportError> {
-    let count = document.root.meshes.len();
-    if let Some(p) = placed.iter().find(|p| p.what >= count) {
-        let cause = format!("mesh {} is not there: the file has {count}", p.what);
-        return Err(document.invalid(document.node_label(p.node), cause));
-    }
-    let used: BTreeSet<usize> = placed.iter().map(|p| p.what).collect();
-    let used: Vec<usize> = used.into_iter().collect();
+) -> Result<Vec<Option<u32>>, ImportError> {
     let default_material = document.root.materials.len() as u32;
-    let read: Vec<Result<MeshRead, ImportError>> = used
+    let read: Vec<Result<MeshRead, ImportError>> = shapes
         .par_iter()
-        .map(|&m| mesh::read(document, m, default_material))
+        .map(|shape| mesh::read(document, shape, variant, default_material))
         .collect();
-    let mut places = BTreeMap::new();
+    let mut places = Vec::with_capacity(shapes.len());
     // One after the other, so that the first error of the file is the one that is told.
-    for (index, read) in used.into_iter().zip(read) {
+    for read in read {
         let read = read?;
         notes.append(read.notes);
         scene.defects.extend(read.defects);
-        if !read.mesh.triangles.is_empty() {
-            places.insert(index, scene.meshes.len() as u32);
+        let has_triangles = !read.mesh.triangles.is_empty();
+        places.push(has_triangles.then_some(scene.meshes.len() as u32));
+        if has_triangles {
             scene.meshes.push(read.mesh);
         }
     }
     Ok(places)
 }
 
-/// Places the meshes, and gives the box of all in world space. What would lie beyond the coordinate limit there is a defect.
+/// Places a mesh of the scene, of which the box in object space is `object`, where a node shows it. Gives its box in world space,
+/// an empty one if it would lie beyond the coordinate limit, which is a defect.
 fn place(
     document: &Document,
-    placed: &[Placed],
-    places: &BTreeMap<usize, u32>,
+    node: usize,
+    mesh: u32,
+    world_from_object: DAffine3,
+    object: Aabb,
     scene: &mut Scene,
-) -> Aabb {
-    let boxes: Vec<Aabb> = scene.meshes.par_iter().map(object_box).collect();
-    let mut bounds = Aabb::EMPTY;
-    for p in placed {
-        let Some(&mesh) = places.get(&p.what) else {
-            continue;
-        };
-        let own = document.root.nodes[p.node].name.as_ref();
-        let name = match own.filter(|n| !n.is_empty()) {
-            Some(name) => name.clone(),
-            None => scene.meshes[mesh as usize].name.clone(),
-        };
-        let instance = Instance::new(name, mesh, p.world_from_node);
-        let object = boxes[mesh as usize];
-        let corner = |i: usize| {
-            let choose = |bit: usize, low, high| if i & bit == 0 { low } else { high };
-            let (min, max) = (object.min, object.max);
-            instance.world_point(Vec3::new(
-                choose(1, min.x, max.x),
-                choose(2, min.y, max.y),
-                choose(4, min.z, max.z),
-            ))
-        };
-        let world: Aabb = (0..8).map(corner).collect();
-        let extreme = world.min.abs().max(world.max.abs()).max_element();
-        if extreme <= COORDINATE_LIMIT {
-            bounds = bounds.union(world);
-            scene.instances.push(instance);
-        } else {
-            scene.defects.push(Defect {
-                file: document.file.to_owned(),
-                element: format!("{} as placed", document.node_label(p.node)),
-                cause: DefectCause::TooLarge,
-                count: scene.meshes[mesh as usize].triangles.len() as u64,
-                first: 0,
-            });
-        }
+) -> Result<Aabb, ImportError> {
+    let label = || document.node_label(node);
+    if !world_from_object.is_finite() {
+        return Err(document.invalid(label(), "its transform is not finite"));
     }
-    bounds
+    if scene.instances.len() + scene.defects.len() > instancing::MOST_INSTANCES {
+        let most = instancing::MOST_INSTANCES;
+        return Err(document.invalid(label(), format!("the file has more than {most} instances")));
+    }
+    let own = document.root.nodes[node].name.as_ref();
+    let name = match own.filter(|n| !n.is_empty()) {
+        Some(name) => name.clone(),
+        None => scene.meshes[mesh as usize].name.clone(),
+    };
+    let instance = Instance::new(name, mesh, world_from_object);
+    let corner = |i: usize| {
+        let choose = |bit: usize, low, high| if i & bit == 0 { low } else { high };
+        let (min, max) = (object.min, object.max);
+        instance.world_point(Vec3::new(
+            choose(1, min.x, max.x),
+            choose(2, min.y, max.y),
+            choose(4, min.z, max.z),
+        ))
+    };
+    let world: Aabb = (0..8).map(corner).collect();
+    let extreme = world.min.abs().max(world.max.abs()).max_element();
+    if extreme <= COORDINATE_LIMIT {
+        scene.instances.push(instance);
+        return Ok(world);
+    }
+    scene.defects.push(Defect {
+        file: document.file.to_owned(),
+        element: format!("{} as placed", label()),
+        cause: DefectCause::TooLarge,
+        count: scene.meshes[mesh as usize].triangles.len() as u64,
+        first: 0,
+    });
+    Ok(Aabb::EMPTY)
 }
 
 fn object_box(mesh: &TriangleMesh) -> Aabb {
@@ -162,9 +196,25 @@ fn read_materials(document: &Document, scene: &mut Scene, notes: &mut Notes) {
     scene.materials = materials
         .map(|(i, m)| material::read(m, i, &textures))
         .collect();
+    for (material, json) in scene.materials.iter_mut().zip(&root.materials) {
+        material::mark_lost_color(material, json, &textures, notes);
+    }
     if used.contains(&root.materials.len()) {
         scene.materials.push(material::default_material());
     }
+    let materials = scene.materials.iter();
+    let is_marked = materials
+        .filter_map(|m| m.base_color_texture)
+        .any(|t| t.texture == textures.stand_in());
     scene.textures = textures.textures;
     scene.images = textures.images;
+    if is_marked {
+        let image = scene.images.len() as u32;
+        scene.images.push(images::stand_in());
+        scene.textures.push(Texture {
+            image,
+            filter: Filter::Nearest,
+            ..Texture::default()
+        });
+    }
 }

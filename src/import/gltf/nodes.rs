@@ -1,6 +1,9 @@
 //! The node hierarchy: what the scene places, and where. Transforms are composed in double precision.
+//!
+//! What KHR_node_visibility hides is not placed, nor is what hangs from it.
 
 use glam::{DAffine3, DMat3, DQuat, DVec3, DVec4};
+use serde_json::{Map, Value};
 
 use super::document::{Document, Pose};
 use super::extensions::Extension;
@@ -22,6 +25,14 @@ pub(super) struct Placements {
     pub(super) meshes: Vec<Placed>,
     pub(super) cameras: Vec<Placed>,
     pub(super) lights: Vec<Placed>,
+    /// Of each node that the scene shows, and, where joints are needed, of all that hang from somewhere.
+    worlds: Vec<Option<DAffine3>>,
+}
+
+impl Placements {
+    pub(super) fn world_from_node(&self, node: usize) -> Option<DAffine3> {
+        self.worlds.get(node).copied().flatten()
+    }
 }
 
 /// Where a node hangs.
@@ -36,53 +47,80 @@ enum Parent {
 pub(super) fn walk(document: &Document, notes: &mut Notes) -> Result<Placements, ImportError> {
     let nodes = &document.root.nodes;
     let mut parents = vec![Parent::Unseen; nodes.len()];
-    let mut placements = Placements::default();
-    // Nodes with the transform of what they hang from, the next one last.
-    let mut stack: Vec<(usize, DAffine3)> = Vec::new();
+    let mut placements = Placements {
+        worlds: vec![None; nodes.len()],
+        ..Placements::default()
+    };
+    // Nodes with the transform of what they hang from and whether that shows, the next one last.
+    let mut stack: Vec<(usize, DAffine3, bool)> = Vec::new();
+    let mut has_skins = false;
     for root in roots(document, notes)?.into_iter().rev() {
         claim(document, &mut parents, root, Parent::Scene)?;
-        stack.push((root, DAffine3::IDENTITY));
+        stack.push((root, DAffine3::IDENTITY, true));
     }
-    while let Some((node, world_from_parent)) = stack.pop() {
+    while let Some((node, world_from_parent, parent_shows)) = stack.pop() {
         let json = &nodes[node];
         let pose = &document.poses[node];
-        let parent_from_node = transform(pose, || document.node_label(node), notes);
+        let note = |text: &str| notes.add(document.node_label(node), text);
+        let parent_from_node = local_transform(pose, note);
         let world_from_node = world_from_parent * parent_from_node;
         if !world_from_node.is_finite() {
             let cause = "its transform is not finite";
             return Err(document.invalid(document.node_label(node), cause));
         }
+        placements.worlds[node] = Some(world_from_node);
+        let extensions = json.extensions.as_ref().map(|e| &e.others);
+        let shows = parent_shows && is_visible(extensions);
         let placed = |what| Placed {
             node,
             what,
             world_from_node,
         };
         placements
-            .meshes
-            .extend(json.mesh.map(|m| placed(m.value())));
-        placements
             .cameras
             .extend(json.camera.map(|c| placed(c.value())));
-        let extensions = json.extensions.as_ref().map(|e| &e.others);
-        let light = Extension::find(extensions, "KHR_lights_punctual");
-        placements
-            .lights
-            .extend(light.and_then(|l| l.index("light")).map(placed));
-        if json.skin.is_some() {
-            let text = "its skin is left out: shown in its bind pose";
-            notes.add(document.node_label(node), text);
+        if shows {
+            let mesh = json.mesh.map(|m| placed(m.value()));
+            placements.meshes.extend(mesh);
+            has_skins |= mesh.is_some() && json.skin.is_some();
+            let light = Extension::find(extensions, "KHR_lights_punctual");
+            let light = light.and_then(|l| l.index("light"));
+            placements.lights.extend(light.map(placed));
         }
         let children = json.children.as_deref().unwrap_or_default();
         for child in children.iter().rev() {
             claim(document, &mut parents, child.value(), Parent::Node(node))?;
-            stack.push((child.value(), world_from_node));
+            stack.push((child.value(), world_from_node, shows));
         }
     }
-    if document.has_animations {
-        let text = "left out: nodes stay where the file places them";
-        notes.add("animations", text);
+    if has_skins {
+        place_the_others(document, &mut placements.worlds, notes);
     }
     Ok(placements)
+}
+
+fn is_visible(extensions: Option<&Map<String, Value>>) -> bool {
+    let extension = Extension::find(extensions, "KHR_node_visibility");
+    extension.and_then(|e| e.flag("visible")) != Some(false)
+}
+
+/// Finds the places of nodes outside the scene: against the specification, some files keep their joints there.
+fn place_the_others(document: &Document, worlds: &mut [Option<DAffine3>], notes: &mut Notes) {
+    let unseen = |node: &usize| worlds[*node].is_none();
+    let tops: Vec<usize> = tops(document).into_iter().filter(unseen).collect();
+    let mut stack: Vec<(usize, DAffine3)> =
+        tops.into_iter().map(|n| (n, DAffine3::IDENTITY)).collect();
+    while let Some((node, world_from_parent)) = stack.pop() {
+        // A node that is not there, or one with a place already.
+        if worlds.get(node).is_none_or(Option::is_some) {
+            continue;
+        }
+        let note = |text: &str| notes.add(document.node_label(node), text);
+        let world_from_node = world_from_parent * local_transform(&document.poses[node], note);
+        worlds[node] = Some(world_from_node);
+        let children = document.root.nodes[node].children.iter().flatten();
+        stack.extend(children.map(|c| (c.value(), world_from_node)));
+    }
 }
 
 /// The nodes at which the walk begins.
@@ -101,24 +139,25 @@ fn roots(document: &Document, notes: &mut Notes) -> Result<Vec<usize>, ImportErr
         let cause = format!("is not there: the file has {}", root.scenes.len());
         return Err(document.invalid(format!("scene {shown}"), cause));
     }
-    let mut is_child = vec![false; root.nodes.len()];
-    for child in root
-        .nodes
-        .iter()
-        .filter_map(|n| n.children.as_ref())
-        .flatten()
-    {
-        if let Some(c) = is_child.get_mut(child.value()) {
-            *c = true;
-        }
-    }
-    let roots: Vec<usize> = (0..root.nodes.len()).filter(|&n| !is_child[n]).collect();
+    let roots = tops(document);
     if roots.is_empty() && !root.nodes.is_empty() {
         let cause = "each is the child of another: the graph has a cycle and no beginning";
         return Err(document.invalid("nodes", cause));
     }
     notes.add("scenes", "the file has none: all of its nodes are shown");
     Ok(roots)
+}
+
+/// The nodes that are nobody's children.
+fn tops(document: &Document) -> Vec<usize> {
+    let nodes = &document.root.nodes;
+    let mut is_child = vec![false; nodes.len()];
+    for child in nodes.iter().filter_map(|n| n.children.as_ref()).flatten() {
+        if let Some(c) = is_child.get_mut(child.value()) {
+            *c = true;
+        }
+    }
+    (0..nodes.len()).filter(|&n| !is_child[n]).collect()
 }
 
 /// Notes where `node` hangs, and refuses a second place.
@@ -162,14 +201,14 @@ fn claim(
     Err(document.invalid(document.node_label(node), cause))
 }
 
-/// A node's own transform.
-fn transform(pose: &Pose, label: impl Fn() -> String, notes: &mut Notes) -> DAffine3 {
+/// A node's own transform: `parent_from_node`. `note` is told what is odd about it.
+pub(super) fn local_transform(pose: &Pose, mut note: impl FnMut(&str)) -> DAffine3 {
     if let Some(m) = pose.matrix {
         let column = |c: usize| DVec3::new(m[4 * c], m[4 * c + 1], m[4 * c + 2]);
         let last_row = DVec4::new(m[3], m[7], m[11], m[15]);
         if last_row != DVec4::W {
             let text = "the last row of its matrix is not 0 0 0 1; it is ignored";
-            notes.add(label(), text);
+            note(text);
         }
         return DAffine3 {
             matrix3: DMat3::from_cols(column(0), column(1), column(2)),
@@ -180,7 +219,7 @@ fn transform(pose: &Pose, label: impl Fn() -> String, notes: &mut Notes) -> DAff
         let unit = DVec4::new(x, y, z, w).try_normalize();
         unit.map_or_else(
             || {
-                notes.add(label(), "its rotation has no direction; it is ignored");
+                note("its rotation has no direction; it is ignored");
                 DQuat::IDENTITY
             },
             DQuat::from_vec4,

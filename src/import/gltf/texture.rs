@@ -2,15 +2,16 @@
 
 use std::collections::BTreeSet;
 
-use ::gltf::json::Root;
 use ::gltf::json::texture::{MagFilter, MinFilter, WrappingMode};
 use ::gltf::json::validation::Checked;
+use ::gltf::json::{self, Root};
 use glam::{Affine2, Mat2, Vec2};
 use rayon::prelude::*;
 use serde_json::{Map, Value};
 
 use super::document::{Document, label};
 use super::extensions::Extension;
+use super::ktx2;
 use super::notes::Notes;
 use super::uri::{self, Target};
 use crate::import::images;
@@ -35,8 +36,8 @@ impl Textures {
     pub(super) fn read(document: &Document, shown: &BTreeSet<usize>, notes: &mut Notes) -> Self {
         let root = &document.root;
         let image_of = |texture: usize| {
-            let source = root.textures.get(texture)?.source.value();
-            (source < root.images.len()).then_some(source)
+            let mut sources = sources(root.textures.get(texture)?);
+            sources.find(|&s| s < root.images.len())
         };
         let referred: BTreeSet<usize> = (0..root.textures.len()).filter_map(image_of).collect();
         let decoded: BTreeSet<usize> = shown.iter().copied().filter_map(image_of).collect();
@@ -69,10 +70,8 @@ impl Textures {
                 textures.push(sampled(root, texture, image as u32));
             } else if image_of(i).is_none() {
                 let element = label("texture", i, texture.name.as_ref());
-                let text = match texture.source.value() {
-                    NO_SOURCE => {
-                        "left out of its materials: it has no image of a kind that is read"
-                    }
+                let text = match sources(texture).next() {
+                    None => "left out of its materials: it has no image of a kind that is read",
                     _ => "left out of its materials: its image is not there",
                 };
                 notes.add(element, text);
@@ -83,6 +82,11 @@ impl Textures {
             textures,
             places,
         }
+    }
+
+    /// The number of the texture that stands in for colours that cannot be had: it comes after all others, if it is needed.
+    pub(super) fn stand_in(&self) -> u32 {
+        self.textures.len() as u32
     }
 
     /// A use of texture `index` of the file, `None` where it cannot be used. `extensions` are those of the use.
@@ -107,6 +111,15 @@ impl Textures {
             transform: uv_transform(map),
         })
     }
+}
+
+/// The images that a texture names, the best first: those of formats made for textures, then the one that every reader knows.
+fn sources(texture: &json::Texture) -> impl Iterator<Item = usize> {
+    let extensions = texture.extensions.as_ref().map(|e| &e.others);
+    let extended = ["KHR_texture_basisu", "EXT_texture_webp"];
+    let extended = extended.map(|name| Extension::find(extensions, name)?.index("source"));
+    let own = Some(texture.source.value()).filter(|&s| s != NO_SOURCE);
+    extended.into_iter().chain([own]).flatten()
 }
 
 /// KHR_texture_transform: scale, then rotation, then offset.
@@ -169,7 +182,11 @@ fn read_image(document: &Document, index: usize) -> Result<Image, String> {
     let image = &document.root.images[index];
     let name = image_name(document, index);
     let decode = |bytes: &[u8]| {
-        images::decode(&name, bytes).map_err(|cause| format!("cannot be decoded: {cause}"))
+        let decoded = match ktx2::is_ktx2(bytes) {
+            true => ktx2::decode(&name, bytes),
+            false => images::decode(&name, bytes),
+        };
+        decoded.map_err(|cause| format!("cannot be decoded: {cause}"))
     };
     match (&image.buffer_view, &image.uri) {
         (Some(view), _) => decode(document.view(view.value())?.0),

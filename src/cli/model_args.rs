@@ -1,0 +1,56 @@
+//! Which models, and what to show of those that offer a choice.
+
+use std::path::PathBuf;
+
+use anyhow::bail;
+use bspray::import::{ImportOptions, Moment, load_with};
+use bspray::scene::Scene;
+use clap::Args;
+
+use super::{UsageError, values};
+
+/// Arguments of every command that loads models.
+#[derive(Args, Debug)]
+pub(super) struct ModelArgs {
+    /// Model files (.obj, .gltf, .glb); several make one scene
+    #[arg(required = true, value_name = "MODEL")]
+    pub(super) models: Vec<PathBuf>,
+    /// Pose glTF models as in their animation N, counted from 0 [default: at rest]
+    #[arg(long, value_name = "N", help_heading = "Models")]
+    animation_index: Option<usize>,
+    /// The moment of that animation, beyond its ends the nearest [default: 0]
+    #[arg(
+        long,
+        value_name = "SECONDS",
+        value_parser = values::finite,
+        allow_hyphen_values = true,
+        help_heading = "Models"
+    )]
+    animation_time: Option<f32>,
+    /// Show glTF models with the materials of their variant NAME [default: their default materials]
+    #[arg(long, value_name = "NAME", help_heading = "Models")]
+    variant: Option<String>,
+}
+
+impl ModelArgs {
+    /// Loads the models as one scene.
+    pub(super) fn load(&self) -> anyhow::Result<Scene> {
+        Ok(load_with(&self.models, &self.options()?)?)
+    }
+
+    fn options(&self) -> anyhow::Result<ImportOptions> {
+        let moment = match (self.animation_index, self.animation_time) {
+            (Some(animation), seconds) => Some(Moment {
+                animation,
+                seconds: f64::from(seconds.unwrap_or(0.0)),
+            }),
+            (None, Some(_)) => {
+                let words = "--animation-time: of which animation? Add --animation-index N";
+                bail!(UsageError(words.to_owned()));
+            }
+            (None, None) => None,
+        };
+        let variant = self.variant.clone();
+        Ok(ImportOptions { variant, moment })
+    }
+}
