@@ -1,6 +1,7 @@
 //! glTF files as they should be and as they should not, through the public loader.
 
 mod animations;
+mod extensions;
 mod files;
 mod materials;
 mod meshes;
