@@ -30,6 +30,9 @@ pub(super) struct ModelArgs {
     /// Show glTF models with the materials of their variant NAME [default: their default materials]
     #[arg(long, value_name = "NAME", help_heading = "Models")]
     variant: Option<String>,
+    /// Shade faces that meet at this angle or less as one smooth surface, where a file gives no normals. Smoothing groups of OBJ files are smooth at any angle
+    #[arg(long, value_name = "DEGREES", value_parser = values::crease_angle, help_heading = "Models")]
+    crease_angle: Option<f32>,
 }
 
 impl ModelArgs {
@@ -50,7 +53,10 @@ impl ModelArgs {
             }
             (None, None) => None,
         };
-        let variant = self.variant.clone();
-        Ok(ImportOptions { variant, moment })
+        Ok(ImportOptions {
+            variant: self.variant.clone(),
+            moment,
+            crease_angle: self.crease_angle,
+        })
     }
 }

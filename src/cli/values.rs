@@ -132,6 +132,14 @@ pub(super) fn view_angle(text: &str) -> Result<f32, String> {
         .ok_or_else(|| "want an angle between 0 and 180 degrees".to_owned())
 }
 
+/// An angle between normals, from 0 to 180 degrees.
+pub(super) fn crease_angle(text: &str) -> Result<f32, String> {
+    finite(text)
+        .ok()
+        .filter(|a| (0.0..=180.0).contains(a))
+        .ok_or_else(|| "want an angle from 0 to 180 degrees".to_owned())
+}
+
 /// A part of a picture: `x0,x1,y0,y1` as shares of its width and height, as pbrt has it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct CropWindow([f64; 4]);

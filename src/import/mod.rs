@@ -8,6 +8,7 @@ mod clean;
 mod gltf;
 mod images;
 mod obj;
+mod smooth;
 
 use std::path::{Path, PathBuf};
 
@@ -84,6 +85,8 @@ impl ImportError {
 pub struct ImportOptions {
     /// The name of the variant (glTF, KHR_materials_variants) of which the materials are shown.
     pub variant: Option<String>,
+    /// Shade faces that meet at this angle or less (degrees, between their normals) as one smooth surface where the file gives no normals.
+    pub crease_angle: Option<f32>,
     /// The moment of an animation that poses nodes, skins and morph targets (glTF).
     pub moment: Option<Moment>,
 }
@@ -185,8 +188,15 @@ fn load_file(file: &Path, options: &ImportOptions) -> Result<FileRead, ImportErr
     }
     let bytes = std::fs::read(file).map_err(|e| ImportError::io(file, e))?;
     let mut read = match format_of(file, &bytes) {
-        Some(Format::Obj) => obj::load(file, &bytes)?.into(),
-        Some(Format::Gltf) => gltf::load(file, bytes, options)?,
+        Some(Format::Obj) => obj::load(file, &bytes, options)?.into(),
+        Some(Format::Gltf) => {
+            let mut read = gltf::load(file, bytes, options)?;
+            let meshes = &mut read.scene.meshes;
+            meshes
+                .iter_mut()
+                .for_each(|mesh| smooth::smooth(mesh, &[], options.crease_angle));
+            read
+        }
         None => {
             let cause = "is no model that bspray reads (OBJ, glTF, GLB)";
             return Err(ImportError::unsupported(file, "file", cause));

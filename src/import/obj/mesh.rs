@@ -36,14 +36,14 @@ impl Oddities {
 }
 
 /// Builds the mesh of an object. `material_of` gives the scene's material for the index of a `usemtl` name.
-/// Also tells what was odd about its polygons.
+/// Also gives the smoothing group of each triangle, unless all are in none, and tells what was odd about its polygons.
 pub(super) fn build(
     object: &Object,
     geometry: Geometry,
     color_scale: f32,
     triangulator: &mut Triangulator,
     mut material_of: impl FnMut(Option<u32>) -> u32,
-) -> (TriangleMesh, Oddities) {
+) -> (TriangleMesh, Vec<u32>, Oddities) {
     let mut mesh = TriangleMesh {
         name: object.name.clone(),
         positions: geometry
@@ -65,10 +65,15 @@ pub(super) fn build(
     }
     let mut oddities = Oddities::default();
     let mut next_corner = 0;
-    let mut runs = object.runs.iter().peekable();
+    let mut runs = object.materials.iter().peekable();
+    let mut smoothing = object.smoothing.iter().peekable();
+    let mut group_starts = Vec::new();
     for face in 0..object.face_count {
         if let Some(run) = runs.next_if(|r| r.first_face == face) {
-            begin_part(&mut mesh, material_of(run.material));
+            begin_part(&mut mesh, material_of(run.value));
+        }
+        if let Some(run) = smoothing.next_if(|r| r.first_face == face) {
+            group_starts.push((mesh.triangles.len(), run.value));
         }
         let arity = geometry
             .arities
@@ -93,7 +98,21 @@ pub(super) fn build(
         }
     }
     end_part(&mut mesh);
-    (mesh, oddities)
+    let groups = groups(&group_starts, mesh.triangles.len());
+    (mesh, groups, oddities)
+}
+
+/// The group of each triangle, from the first triangle of each run on; empty if all are in none.
+fn groups(starts: &[(usize, u32)], triangles: usize) -> Vec<u32> {
+    if starts.iter().all(|&(_, group)| group == 0) {
+        return Vec::new();
+    }
+    let mut groups = vec![0; starts[0].0];
+    for (number, &(_, group)) in starts.iter().enumerate() {
+        let end = starts.get(number + 1).map_or(triangles, |next| next.0);
+        groups.resize(end, group);
+    }
+    groups
 }
 
 fn begin_part(mesh: &mut TriangleMesh, material: u32) {
@@ -158,12 +177,9 @@ mod tests {
 
     #[test]
     fn runs_become_parts_of_triangles() {
-        let run = |first_face, material| Run {
-            first_face,
-            material,
-        };
+        let run = |first_face, value| Run { first_face, value };
         let mut object = Object::default();
-        object.runs = vec![run(0, Some(0)), run(1, Some(1)), run(2, Some(2))];
+        object.materials = vec![run(0, Some(0)), run(1, Some(1)), run(2, Some(2))];
         object.face_count = 3;
         let geometry = Geometry {
             positions: vec![0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 1.0, 2.0, 0.0, 0.0, 2.0, 0.0],
@@ -172,15 +188,27 @@ mod tests {
             ..Geometry::default()
         };
         // Two names of one material are one run.
-        let (mesh, oddities) = build(&object, geometry, 1.0, &mut Triangulator::default(), |m| {
-            u32::from(m == Some(2)) + 5
-        });
+        object.smoothing = vec![
+            Run {
+                first_face: 1,
+                value: 4,
+            },
+            Run {
+                first_face: 2,
+                value: 0,
+            },
+        ];
+        let (mesh, groups, oddities) =
+            build(&object, geometry, 1.0, &mut Triangulator::default(), |m| {
+                u32::from(m == Some(2)) + 5
+            });
         assert_eq!((mesh.validate(), oddities), (Ok(()), Oddities::default()));
         assert_eq!(
             (0..4).map(|t| mesh.material_of(t)).collect::<Vec<_>>(),
             [5, 5, 5, 6]
         );
         assert_eq!(mesh.parts.len(), 2);
+        assert_eq!(groups, [0, 0, 4, 0]);
         assert_eq!(&*mesh.outlines[0].corners, [0, 1, 2, 3]);
         assert_eq!(mesh.outlines.len(), 1);
     }

@@ -27,8 +27,9 @@ use std::path::Path;
 
 use glam::DAffine3;
 
-use super::ImportError;
 use super::clean::drop_broken_triangles;
+use super::smooth::smooth;
+use super::{ImportError, ImportOptions};
 use glam::Vec3;
 
 use crate::scene::{Defect, DefectCause, Instance, Material, Scene, TriangleMesh};
@@ -40,7 +41,11 @@ use textures::Textures;
 use triangulate::Triangulator;
 
 /// Reads an OBJ file, and the files that it names.
-pub(super) fn load(file: &Path, bytes: &[u8]) -> Result<Scene, ImportError> {
+pub(super) fn load(
+    file: &Path,
+    bytes: &[u8],
+    options: &ImportOptions,
+) -> Result<Scene, ImportError> {
     if bytes.trim_ascii().is_empty() {
         return Err(ImportError::invalid(file, "file", "is empty"));
     }
@@ -94,13 +99,14 @@ pub(super) fn load(file: &Path, bytes: &[u8]) -> Result<Scene, ImportError> {
             continue;
         }
         let geometry = geometry.next().unwrap_or_default();
-        let (mut mesh, oddities) =
+        let (mut mesh, groups, oddities) =
             mesh::build(object, geometry, color_scale, &mut triangulator, |name| {
                 materials.index_of(name)
             });
         for text in oddities.notes() {
             notes.element(format!("mesh {:?}", mesh.name), text);
         }
+        smooth(&mut mesh, &groups, options.crease_angle);
         drop_broken_triangles(&mut mesh, file, &mut scene.defects);
         place(mesh, &mut scene);
     }

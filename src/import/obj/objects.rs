@@ -3,17 +3,26 @@
 //! A mesh is what `o` names. Blender, MeshLab and Rhino write `o` for each object and `g` for parts of one; 3ds Max, Maya,
 //! SketchUp and ZBrush write only `g`, one for each object. So: if the file has an `o`, groups are parts of the object in
 //! which they stand; if it has none, each `g` with faces is a mesh, and one that is named again at once goes on. The
-//! whole rest of a line is a name (`g front cube` is one group, called "front cube"). A material stays in use across `o` and `g`.
+//! whole rest of a line is a name (`g front cube` is one group, called "front cube"). Materials and smoothing groups stay in use across `o` and `g`.
 
 use super::pieces::{Piece, Pieces};
 
-/// Faces in a row with one material.
+/// Faces in a row with one material, or in one smoothing group.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct Run {
+pub(super) struct Run<T> {
     /// Index of its first face in the object.
     pub(super) first_face: u32,
-    /// Index of the `usemtl` name, if there is one.
-    pub(super) material: Option<u32>,
+    /// What they have.
+    pub(super) value: T,
+}
+
+/// Goes on with another value from a face on.
+fn start_run<T: PartialEq>(runs: &mut Vec<Run<T>>, value: T, first_face: u32) {
+    match runs.last_mut() {
+        Some(last) if last.value == value => {}
+        Some(last) if last.first_face == first_face => last.value = value,
+        _ => runs.push(Run { first_face, value }),
+    }
 }
 
 /// Faces left out because they have too few corners.
@@ -76,8 +85,10 @@ impl Presence {
 pub(super) struct Object {
     /// Its name.
     pub(super) name: String,
-    /// Its material runs, in order.
-    pub(super) runs: Vec<Run>,
+    /// Runs of the indices of `usemtl` names, where there are any.
+    pub(super) materials: Vec<Run<Option<u32>>>,
+    /// Runs of smoothing groups; 0 is none.
+    pub(super) smoothing: Vec<Run<u32>>,
     /// The text of its faces.
     pub(super) faces: Pieces,
     /// Number of faces in that text.
@@ -102,8 +113,13 @@ impl Object {
 
     fn join(&mut self, next: Object) {
         let read = self.faces_read();
-        for run in next.runs {
-            self.start_run(run.material, self.face_count + run.first_face);
+        for run in next.materials {
+            let first_face = self.face_count + run.first_face;
+            start_run(&mut self.materials, run.value, first_face);
+        }
+        for run in next.smoothing {
+            let first_face = self.face_count + run.first_face;
+            start_run(&mut self.smoothing, run.value, first_face);
         }
         self.dropped = match (self.dropped, next.dropped) {
             (Some(a), b) => Some(TooFewCorners {
@@ -119,22 +135,6 @@ impl Object {
         self.faces.append(next.faces);
         self.presence.join(next.presence);
     }
-
-    fn start_run(&mut self, material: Option<u32>, first_face: u32) {
-        if let Some(last) = self.runs.last_mut() {
-            if last.material == material {
-                return;
-            }
-            if last.first_face == first_face {
-                last.material = material;
-                return;
-            }
-        }
-        self.runs.push(Run {
-            first_face,
-            material,
-        });
-    }
 }
 
 /// Takes statements in the file's order and makes objects of them.
@@ -144,6 +144,7 @@ pub(super) struct Objects {
     current: Object,
     names: Vec<String>,
     material: Option<u32>,
+    smoothing_group: u32,
 }
 
 impl Objects {
@@ -176,12 +177,16 @@ impl Objects {
         self.material = material;
     }
 
+    /// `s`; 0 ends a group.
+    pub(super) fn use_smoothing_group(&mut self, group: u32) {
+        self.smoothing_group = group;
+    }
+
     /// `f`.
     pub(super) fn add_face(&mut self, face: Piece, presence: Presence) {
-        if self.current.runs.last().map(|r| r.material) != Some(self.material) {
-            self.current
-                .start_run(self.material, self.current.face_count);
-        }
+        let number = self.current.face_count;
+        start_run(&mut self.current.materials, self.material, number);
+        start_run(&mut self.current.smoothing, self.smoothing_group, number);
         self.current.faces.push(face);
         self.current.face_count += 1;
         self.current.presence.join(presence);
@@ -289,13 +294,16 @@ mod tests {
             face(&mut objects, 10 * at);
         }
         let objects = objects.finish("file");
-        let run = |first_face, material| Run {
-            first_face,
-            material,
-        };
+        let run = |first_face, value| Run { first_face, value };
         assert_eq!(
-            objects[0].runs,
+            objects[0].materials,
             [run(0, Some(4)), run(1, Some(7)), run(2, None)]
         );
+        // Groups of vertices are no smoothing groups.
+        let none = Run {
+            first_face: 0,
+            value: 0,
+        };
+        assert_eq!(objects[0].smoothing, [none]);
     }
 }

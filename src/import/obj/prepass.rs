@@ -104,6 +104,7 @@ impl<'a> Pass<'a, '_> {
             b"o" => self.objects.begin_object(decoded(rest).into_owned()),
             b"g" => self.objects.begin_group(decoded(rest).into_owned()),
             b"usemtl" => self.use_material(rest, line.number),
+            b"s" => self.smoothing_group(rest, line.number),
             b"mtllib" if !rest.is_empty() => self.libraries.push(Named {
                 name: decoded(rest).into_owned(),
                 line: line.number,
@@ -135,6 +136,24 @@ impl<'a> Pass<'a, '_> {
             }
         };
         self.objects.use_material(Some(index));
+    }
+
+    fn smoothing_group(&mut self, text: &[u8], line: usize) {
+        let text = text.split(|&b| b == b'#').next().unwrap_or_default();
+        let group = match text.trim_ascii() {
+            b"" | b"off" => 0,
+            // Some programs know only one group.
+            b"on" => 1,
+            number => std::str::from_utf8(number)
+                .ok()
+                .and_then(|n| n.parse().ok())
+                .unwrap_or_else(|| {
+                    let text = "smoothing group that is no number; faces are flat from here on";
+                    self.notes.line(line, text);
+                    0
+                }),
+        };
+        self.objects.use_smoothing_group(group);
     }
 
     fn face(&mut self, text: &[u8], line: &Line, is_f: bool) -> Result<(), ImportError> {
@@ -299,8 +318,8 @@ fn vertex_not_there(file: &Path, line: usize, index: i64, vertices: usize) -> Im
 fn left_out(word: &[u8]) -> Option<&'static str> {
     Some(match word {
         b"mtllib" => "mtllib without a name is left out",
-        // Smoothing and merging groups, parameter vertices, tags of subdivision surfaces, display attributes of faces.
-        b"s" | b"mg" | b"vp" | b"t" | b"bevel" | b"c_interp" | b"d_interp" | b"lod" => return None,
+        // Merging groups, parameter vertices, tags of subdivision surfaces, display attributes of faces.
+        b"mg" | b"vp" | b"t" | b"bevel" | b"c_interp" | b"d_interp" | b"lod" => return None,
         // Parts of the free-form statements below, and techniques of drawing them.
         b"cstype" | b"deg" | b"bmat" | b"step" | b"parm" | b"trim" | b"hole" | b"scrv" | b"sp"
         | b"end" | b"con" | b"ctech" | b"stech" => return None,
