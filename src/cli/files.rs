@@ -32,13 +32,7 @@ pub(super) fn outputs(
         ));
     }
     let paths = if wanted.is_empty() {
-        // Not `with_extension`, which would take "v2" from "scan.v2".
-        let mut name = models[0]
-            .file_stem()
-            .unwrap_or("picture".as_ref())
-            .to_owned();
-        name.push(".png");
-        vec![PathBuf::from(name)]
+        vec![default_output(models, ".png")]
     } else {
         wanted.to_vec()
     };
@@ -61,6 +55,15 @@ pub(super) fn outputs(
         ));
     }
     Ok(outputs)
+}
+
+/// The name of the first model, with another ending.
+pub(super) fn default_output(models: &[PathBuf], ending: &str) -> PathBuf {
+    // Not `with_extension`, which would take "v2" from "scan.v2".
+    let name = models.first().and_then(|m| m.file_stem());
+    let mut name = name.unwrap_or("picture".as_ref()).to_owned();
+    name.push(ending);
+    PathBuf::from(name)
 }
 
 /// Where the path leads, whether there is a file or not.

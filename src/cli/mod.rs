@@ -10,6 +10,7 @@ mod compare_report;
 mod display;
 mod extent_args;
 mod files;
+mod frames;
 mod inspect;
 mod inspect_bsp;
 mod inspect_extents;
@@ -23,6 +24,7 @@ mod pixel;
 mod progress;
 mod render;
 mod shell;
+mod shot;
 mod summary;
 mod values;
 

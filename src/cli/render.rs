@@ -6,8 +6,7 @@ use std::time::Instant;
 use anyhow::{Context, bail};
 use bspray::accel::AcceleratorKind;
 use bspray::accel::bsp::polygon::SceneTrees;
-use bspray::picture::{exr, ldr};
-use bspray::render::{self, Integrator, PixelFilter, PixelRect, RenderOptions, SkyMode, Stage};
+use bspray::render::{Integrator, PixelFilter, PixelRect, RenderOptions, SkyMode};
 use bspray::scene::Scene;
 use clap::{Args, ValueEnum};
 
@@ -15,18 +14,20 @@ use super::bsp_args::{self, BspArgs};
 use super::camera_args::{self, CameraArgs};
 use super::display::DisplayArgs;
 use super::extent_args::ExtentArgs;
-use super::files::{self, OutputKind};
+use super::files;
+use super::frames::{FrameArgs, Shot};
 use super::model_args::ModelArgs;
 use super::overlay_args::OverlayArgs;
-use super::summary::{RenderSummary, Seconds};
+use super::shot::Studio;
+use super::summary::Seconds;
 use super::values::{self, CropWindow, PixelBounds};
-use super::{Done, UsageError, metadata, output, pixel, progress};
+use super::{Done, UsageError, output, progress};
 
 /// Arguments of `bspray render`.
 #[derive(Args, Debug)]
 pub(super) struct RenderArgs {
     #[command(flatten)]
-    input: ModelArgs,
+    pub(super) input: ModelArgs,
     /// Where the picture goes: .exr (all layers), .png or .jpg; can be given several times [default: the model's name with .png]
     #[arg(short, long, value_name = "FILE")]
     output: Vec<PathBuf>,
@@ -38,18 +39,18 @@ pub(super) struct RenderArgs {
     spp: u32,
     /// Changes every random number
     #[arg(long, value_name = "N", default_value_t = 0)]
-    seed: u32,
+    pub(super) seed: u32,
     /// Threads that render; 0 for one a core
     #[arg(long, value_name = "N", default_value_t = 0, value_parser = values::threads)]
     threads: usize,
     /// The structure that finds what rays hit
     #[arg(long, value_name = "KIND", default_value_t = AcceleratorKind::default(), value_parser = values::accelerator,
         long_help = accelerator_help("The structure that finds what rays hit"))]
-    accel: AcceleratorKind,
+    pub(super) accel: AcceleratorKind,
     #[command(flatten)]
-    bsp: BspArgs,
+    pub(super) bsp: BspArgs,
     #[command(flatten)]
-    extents: ExtentArgs,
+    pub(super) extents: ExtentArgs,
     /// How colours come about
     #[arg(long, value_enum, value_name = "NAME", default_value_t = IntegratorName::Direct)]
     integrator: IntegratorName,
@@ -66,7 +67,9 @@ pub(super) struct RenderArgs {
     #[arg(long, value_enum, value_name = "NAME", default_value_t = FilterName::BlackmanHarris)]
     filter: FilterName,
     #[command(flatten)]
-    camera: CameraArgs,
+    pub(super) camera: CameraArgs,
+    #[command(flatten)]
+    frames: FrameArgs,
     /// Render a part of the picture, given as shares of its width and height
     #[arg(
         long,
@@ -79,21 +82,21 @@ pub(super) struct RenderArgs {
     #[arg(long, value_name = "X0,X1,Y0,Y1", help_heading = "Crop")]
     pixelbounds: Option<PixelBounds>,
     #[command(flatten)]
-    display: DisplayArgs,
+    pub(super) display: DisplayArgs,
     #[command(flatten)]
-    overlay: OverlayArgs,
+    pub(super) overlay: OverlayArgs,
     /// Print everything about one pixel's rays instead of rendering
     #[arg(long, value_name = "X,Y", value_parser = values::pixel, help_heading = "Reports")]
-    pixel: Option<(u32, u32)>,
+    pub(super) pixel: Option<(u32, u32)>,
     /// Print sizes, times, and counts of rays and steps
     #[arg(long, help_heading = "Reports")]
-    stats: bool,
+    pub(super) stats: bool,
     /// Print the same as one JSON object
     #[arg(long, help_heading = "Reports")]
-    json: bool,
+    pub(super) json: bool,
     /// No progress and no notes
     #[arg(short, long, help_heading = "Reports")]
-    quiet: bool,
+    pub(super) quiet: bool,
 }
 
 #[derive(Clone, Copy, Debug, ValueEnum)]
@@ -134,8 +137,11 @@ pub(super) fn accelerator_help(purpose: &str) -> String {
 /// Renders.
 pub(super) fn run(args: &RenderArgs) -> anyhow::Result<Done> {
     progress::handle_signals()?;
-    let outputs = files::outputs(&args.output, &args.input.models, args.pixel.is_some())?;
-    let has_layers = outputs.iter().any(|(_, kind)| *kind == OutputKind::Exr);
+    let models = &args.input.models;
+    let shots = args
+        .frames
+        .shots(&args.output, models, args.pixel.is_some())?;
+    let has_layers = shots.iter().any(Shot::has_layers);
     if args.bsp_layers && !has_layers && args.pixel.is_none() {
         let words = "--bsp-layers: only .exr files have layers: add one with --output";
         bail!(UsageError(words.to_owned()));
@@ -148,40 +154,35 @@ pub(super) fn run(args: &RenderArgs) -> anyhow::Result<Done> {
     let started = Instant::now();
     let scene = args.input.load()?;
     let load = started.elapsed().as_secs_f64();
-    files::spare_inputs(outputs.iter().map(|(path, _)| path.as_path()), &scene)?;
+    let outputs = shots.iter().flat_map(|shot| &shot.outputs);
+    files::spare_inputs(outputs.map(|(path, _)| path.as_path()), &scene)?;
     if !args.quiet {
         output::tell_of(&scene);
     }
     let camera = args.camera.choose(&scene, args.resolution)?;
-    let filter = match args.filter {
-        FilterName::Box => PixelFilter::Box,
-        FilterName::BlackmanHarris => PixelFilter::BlackmanHarris,
-    };
-    let view = camera_args::view(&camera, args.resolution, filter.radius())?;
-    let frame = view.camera;
     let camera_flags = camera_args::as_flags(&camera, &scene, args.camera.up());
     if !args.quiet {
         output::message(&format!("camera: {camera_flags}"));
     }
-
     let pool = rayon::ThreadPoolBuilder::new()
         .num_threads(args.threads)
         .build()
         .context("cannot start threads")?;
-    let started = Instant::now();
-    let build_options = args.extents.add_to(args.bsp.options(args.seed), view);
-    let accelerator = pool.install(|| args.accel.build_with(&scene, &build_options));
     let integrator = integrator(args, &scene);
     let shows_trees = integrator.shows_trees() || args.bsp_layers;
-    let trees = shows_trees.then(|| SceneTrees::build(&scene, &build_options));
+    let started = Instant::now();
+    let trees = args.bsp.options(args.seed);
+    let trees = shows_trees.then(|| SceneTrees::build(&scene, &trees));
     let build = started.elapsed().as_secs_f64();
-    let stage = Stage::new(&scene, &*accelerator, args.camera.up(), sky_mode(args.sky))
-        .with_trees(trees.as_ref());
     if let Some(trees) = &trees
         && !args.quiet
     {
         output::message(&bsp_args::describe(trees));
     }
+    let filter = match args.filter {
+        FilterName::Box => PixelFilter::Box,
+        FilterName::BlackmanHarris => PixelFilter::BlackmanHarris,
+    };
     let options = RenderOptions {
         size: args.resolution,
         window,
@@ -192,77 +193,21 @@ pub(super) fn run(args: &RenderArgs) -> anyhow::Result<Done> {
         counts_cost: has_layers || args.stats || args.json,
         wants_first_hits: has_layers,
     };
-    if let Some(place) = args.pixel {
-        return pixel::run(&stage, &frame, &options, place, args.json);
-    }
-
-    let watch = progress::begin(window.area() * u64::from(args.spp), args.quiet);
-    let started = Instant::now();
-    let film = pool.install(|| render::render(&stage, &frame, &options, &watch));
-    let seconds = Seconds {
-        load,
-        build,
-        render: started.elapsed().as_secs_f64(),
-    };
-    watch.end();
-
-    let summary = RenderSummary {
-        args_models: &args.input.models,
+    let studio = Studio {
+        args,
         scene: &scene,
-        accelerator: args.accel,
-        build: accelerator.build_stats(),
-        film: &film,
-        options: &options,
-        threads: pool.current_num_threads(),
-        seconds,
-        camera_flags: &camera_flags,
-        outputs: outputs.iter().map(|(path, _)| path.as_path()).collect(),
+        camera,
+        camera_flags,
+        trees,
+        options,
+        pool,
+        before: Seconds {
+            load,
+            build,
+            render: 0.0,
+        },
     };
-    if film.samples() == 0 {
-        output::message("interrupted before there was a picture; nothing is written");
-        return Ok(Done::Partially);
-    }
-    let overlay = pool.install(|| {
-        let sphere = build_options.sphere;
-        args.overlay.draw(&stage, &view, window, sphere)
-    });
-    let note = overlay.as_ref().and_then(|o| args.overlay.note(&o.report));
-    if let Some(note) = note.filter(|_| !args.quiet) {
-        output::message(&note);
-    }
-    // One output that cannot be written does not take the others with it.
-    let mut failures = outputs.iter().filter_map(|(path, kind)| {
-        let written = pool.install(|| match kind {
-            OutputKind::Exr => {
-                let layers = render::layers(&film, &frame);
-                let layers = overlay.iter().fold(layers, |layers, o| o.add_to(layers));
-                exr::write(path, &metadata::add(layers, &summary))
-            }
-            OutputKind::Display => {
-                let raster = args.display.raster(&film, integrator, overlay.as_ref());
-                ldr::write(path, &raster)
-            }
-        });
-        written.err()
-    });
-    let failure = failures.next();
-    failures.for_each(|e| output::error(&e.into()));
-    if let Some(failure) = failure {
-        return Err(failure.into());
-    }
-    if !args.quiet {
-        output::message(&summary.line());
-    }
-    if args.json {
-        output::result(&summary.json())?;
-    } else if args.stats {
-        output::result(&summary.table())?;
-    }
-    Ok(if film.is_complete {
-        Done::Completely
-    } else {
-        Done::Partially
-    })
+    studio.take(&shots)
 }
 
 fn window(args: &RenderArgs) -> anyhow::Result<PixelRect> {
@@ -295,11 +240,13 @@ fn window(args: &RenderArgs) -> anyhow::Result<PixelRect> {
     Ok(window)
 }
 
-fn sky_mode(name: SkyName) -> SkyMode {
-    match name {
-        SkyName::Auto => SkyMode::Auto,
-        SkyName::On => SkyMode::On,
-        SkyName::Off => SkyMode::Off,
+impl RenderArgs {
+    pub(super) fn sky_mode(&self) -> SkyMode {
+        match self.sky {
+            SkyName::Auto => SkyMode::Auto,
+            SkyName::On => SkyMode::On,
+            SkyName::Off => SkyMode::Off,
+        }
     }
 }
 

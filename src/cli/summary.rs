@@ -114,12 +114,8 @@ impl RenderSummary<'_> {
             .collect()
     }
 
-    /// One JSON object.
-    pub(super) fn json(&self) -> String {
-        format!("{:#}", self.value())
-    }
-
-    fn value(&self) -> Value {
+    /// The whole report.
+    pub(super) fn value(&self) -> Value {
         let (rays, cost) = (self.film.rays(), self.film.cost());
         let window = self.film.window;
         json!({

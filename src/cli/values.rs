@@ -9,6 +9,9 @@ use glam::Vec3;
 /// Largest width and height of a picture, in pixels.
 const LARGEST: u32 = 1 << 16;
 
+/// Most frames of a turntable: an hour of film. The list of them is checked before any work.
+pub(super) const MOST_FRAMES: i64 = 100_000;
+
 /// Most pixels that are rendered at once: with all layers they take some 200 bytes each. Larger pictures come in crops.
 pub(super) const MOST_PIXELS: u64 = 1 << 26;
 

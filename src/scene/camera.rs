@@ -1,6 +1,6 @@
 //! Cameras: where the eye is and how the world falls on the screen. World space, right-handed.
 
-use glam::{DVec3, Vec3};
+use glam::{DQuat, DVec3, Vec3};
 
 use crate::geometry::{Ray, RayOrigin};
 
@@ -65,6 +65,19 @@ pub struct CameraFrame {
 }
 
 impl Camera {
+    /// The camera after it has gone around the line through `middle` along `axis` (unit length) by an angle in radians, counter-clockwise as seen from the axis's tip, looking on as it did.
+    #[must_use]
+    pub fn turned_around(&self, middle: DVec3, axis: DVec3, angle: f64) -> Self {
+        let turn = DQuat::from_axis_angle(axis, angle);
+        let point = |p: Vec3| (middle + turn * (p.as_dvec3() - middle)).as_vec3();
+        Self {
+            position: point(self.position),
+            focal_point: point(self.focal_point),
+            view_up: (turn * self.view_up.as_dvec3()).as_vec3(),
+            ..self.clone()
+        }
+    }
+
     /// The camera for a picture of `width` times `height` square pixels.
     ///
     /// `None` if position and focal point are one point, the angle or height is not positive (or the angle not below 180
@@ -174,6 +187,28 @@ mod tests {
             view_up: Vec3::new(0.0, 5.0, 1.0),
             projection,
         }
+    }
+
+    #[test]
+    fn a_camera_goes_around_and_looks_on_as_it_did() {
+        let camera = Camera {
+            name: "a".to_owned(),
+            position: Vec3::new(3.0, 5.0, 1.0),
+            focal_point: Vec3::new(1.0, 4.0, 1.0),
+            view_up: Vec3::Y,
+            projection: Projection::Orthographic { height: 2.0 },
+        };
+        let middle = DVec3::new(1.0, 0.0, 1.0);
+        let quarter = camera.turned_around(middle, DVec3::Y, std::f64::consts::FRAC_PI_2);
+        // Seen from above, from the east to the north.
+        assert!((quarter.position - Vec3::new(1.0, 5.0, -1.0)).length() < 1e-6);
+        assert!((quarter.focal_point - camera.focal_point).length() < 1e-6);
+        assert_eq!(
+            (quarter.projection, &quarter.name),
+            (camera.projection, &camera.name)
+        );
+        let still = camera.turned_around(middle, DVec3::Y, 0.0);
+        assert_eq!(still, camera);
     }
 
     #[test]

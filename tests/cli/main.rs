@@ -4,6 +4,7 @@ mod camera;
 mod compare;
 mod errors;
 mod extents;
+mod frames;
 mod models;
 mod outputs;
 mod overlay;

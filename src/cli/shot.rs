@@ -1,0 +1,198 @@
+//! One picture after the other: a camera, its eye rays' structure, the film, its files.
+
+use std::time::Instant;
+
+use bspray::accel::bsp::polygon::SceneTrees;
+use bspray::accel::extents::View;
+use bspray::accel::{Accelerator, AcceleratorKind};
+use bspray::picture::{exr, ldr};
+use bspray::render::{self, RenderOptions, Stage};
+use bspray::scene::{Camera, Scene};
+use serde_json::{Value, json};
+
+use super::files::OutputKind;
+use super::frames::Shot;
+use super::render::RenderArgs;
+use super::summary::{RenderSummary, Seconds};
+use super::{Done, camera_args, metadata, output, pixel, progress};
+
+/// Everything that all pictures of a run share.
+pub(super) struct Studio<'a> {
+    pub(super) args: &'a RenderArgs,
+    pub(super) scene: &'a Scene,
+    /// Where the first picture is taken from.
+    pub(super) camera: Camera,
+    pub(super) camera_flags: String,
+    pub(super) trees: Option<SceneTrees>,
+    pub(super) options: RenderOptions,
+    pub(super) pool: rayon::ThreadPool,
+    /// What loading the scene and building its trees took.
+    pub(super) before: Seconds,
+}
+
+/// What became of one picture.
+enum Taken {
+    /// It is written, wholly or in part, with its report.
+    Written(Value, Done),
+    /// A signal came before there was anything to write.
+    Nothing,
+    /// There was a report about a pixel instead.
+    Reported(Done),
+}
+
+impl Shot {
+    /// Whether a file of it has layers.
+    pub(super) fn has_layers(&self) -> bool {
+        self.outputs
+            .iter()
+            .any(|(_, kind)| *kind == OutputKind::Exr)
+    }
+}
+
+impl Studio<'_> {
+    /// Takes all pictures, and ends early with one that a signal left partial.
+    pub(super) fn take(&self, shots: &[Shot]) -> anyhow::Result<Done> {
+        let mut reports = Vec::new();
+        let mut accelerator = None;
+        let mut done = Done::Completely;
+        for shot in shots {
+            // Extents know the pixels of one camera; other structures know no camera.
+            if self.args.accel == AcceleratorKind::Extents {
+                accelerator = None;
+            }
+            match self.shoot(shot, &mut accelerator)? {
+                Taken::Written(report, of_shot) => {
+                    reports.push(report);
+                    done = of_shot;
+                }
+                Taken::Nothing => done = Done::Partially,
+                Taken::Reported(of_shot) => return Ok(of_shot),
+            }
+            if matches!(done, Done::Partially) {
+                break;
+            }
+        }
+        if self.args.json {
+            let report = match shots {
+                [Shot { turn: None, .. }] => reports.pop(),
+                _ => Some(json!({ "frames": reports })),
+            };
+            if let Some(report) = report {
+                output::result(&format!("{report:#}"))?;
+            }
+        }
+        Ok(done)
+    }
+
+    /// The camera of a picture, with the arguments that give it.
+    fn camera(&self, shot: &Shot) -> (Camera, String) {
+        let flags = self.camera_flags.clone();
+        let Some(turn) = shot.turn else {
+            return (self.camera.clone(), flags);
+        };
+        let middle = self.scene.bounds().center().as_dvec3();
+        let axis = self.args.camera.up().as_dvec3();
+        let camera = self.camera.turned_around(middle, axis, turn.angle());
+        (camera, format!("{flags} {turn}"))
+    }
+
+    fn shoot(
+        &self,
+        shot: &Shot,
+        accelerator: &mut Option<Box<dyn Accelerator>>,
+    ) -> anyhow::Result<Taken> {
+        let args = self.args;
+        let (camera, camera_flags) = self.camera(shot);
+        let radius = self.options.filter.radius();
+        let view: View = camera_args::view(&camera, self.options.size, radius)?;
+        let started = Instant::now();
+        let build_options = args.extents.add_to(args.bsp.options(args.seed), view);
+        let accelerator = &**accelerator.get_or_insert_with(|| {
+            self.pool
+                .install(|| args.accel.build_with(self.scene, &build_options))
+        });
+        let build = self.before.build + started.elapsed().as_secs_f64();
+        let stage = Stage::new(self.scene, accelerator, args.camera.up(), args.sky_mode())
+            .with_trees(self.trees.as_ref());
+        if let Some(place) = args.pixel {
+            let done = pixel::run(&stage, &view.camera, &self.options, place, args.json)?;
+            return Ok(Taken::Reported(done));
+        }
+
+        let window = self.options.window;
+        let samples = window.area() * u64::from(self.options.samples);
+        let watch = progress::begin(samples, args.quiet);
+        let started = Instant::now();
+        let film = self
+            .pool
+            .install(|| render::render(&stage, &view.camera, &self.options, &watch));
+        let seconds = Seconds {
+            build,
+            render: started.elapsed().as_secs_f64(),
+            ..self.before
+        };
+        watch.end();
+
+        let summary = RenderSummary {
+            args_models: &args.input.models,
+            scene: self.scene,
+            accelerator: args.accel,
+            build: accelerator.build_stats(),
+            film: &film,
+            options: &self.options,
+            threads: self.pool.current_num_threads(),
+            seconds,
+            camera_flags: &camera_flags,
+            outputs: shot
+                .outputs
+                .iter()
+                .map(|(path, _)| path.as_path())
+                .collect(),
+        };
+        if film.samples() == 0 {
+            output::message("interrupted before there was a picture; nothing is written");
+            return Ok(Taken::Nothing);
+        }
+        let overlay = self.pool.install(|| {
+            args.overlay
+                .draw(&stage, &view, window, build_options.sphere)
+        });
+        let note = overlay.as_ref().and_then(|o| args.overlay.note(&o.report));
+        if let Some(note) = note.filter(|_| !args.quiet) {
+            output::message(&note);
+        }
+        // One output that cannot be written does not take the others with it.
+        let mut failures = shot.outputs.iter().filter_map(|(path, kind)| {
+            let written = self.pool.install(|| match kind {
+                OutputKind::Exr => {
+                    let layers = render::layers(&film, &view.camera);
+                    let layers = overlay.iter().fold(layers, |layers, o| o.add_to(layers));
+                    exr::write(path, &metadata::add(layers, &summary))
+                }
+                OutputKind::Display => {
+                    let integrator = self.options.integrator;
+                    let raster = args.display.raster(&film, integrator, overlay.as_ref());
+                    ldr::write(path, &raster)
+                }
+            });
+            written.err()
+        });
+        let failure = failures.next();
+        failures.for_each(|e| output::error(&e.into()));
+        if let Some(failure) = failure {
+            return Err(failure.into());
+        }
+        if !args.quiet {
+            output::message(&summary.line());
+        }
+        if args.stats && !args.json {
+            output::result(&summary.table())?;
+        }
+        let done = if film.is_complete {
+            Done::Completely
+        } else {
+            Done::Partially
+        };
+        Ok(Taken::Written(summary.value(), done))
+    }
+}
