@@ -210,7 +210,13 @@ fn load_file(file: &Path, options: &ImportOptions) -> Result<FileRead, ImportErr
                 "nothing left to render: {dropped} broken faces dropped, the first: {}",
                 first.cause
             ),
-            None => "nothing to render: no triangles".to_owned(),
+            None => match scene.notes.first() {
+                Some(note) => format!(
+                    "nothing to render: no triangles ({}: {})",
+                    note.element, note.text
+                ),
+                None => "nothing to render: no triangles".to_owned(),
+            },
         };
         return Err(ImportError::invalid(file, "scene", cause));
     }

@@ -45,6 +45,13 @@ fn files_that_are_no_gltf_say_so() {
         &error("model.gltf", br#"{"asset":{"version":"1.0"}}"#),
         &["version 1.0 is not supported"],
     );
+    expect_words(
+        &error(
+            "model.gltf",
+            br#"{"asset":{"version":1},"meshes":{"a":{}}}"#,
+        ),
+        &["version 1 is not supported, only 2.0"],
+    );
     let mut old = triangle_glb();
     old[4] = 1;
     expect_words(&error("model.glb", &old), &["version 1 is not supported"]);

@@ -52,9 +52,26 @@ struct Versions {
 
 #[derive(Deserialize)]
 struct Asset {
-    version: Option<String>,
+    version: Option<Version>,
     #[serde(rename = "minVersion")]
-    min_version: Option<String>,
+    min_version: Option<Version>,
+}
+
+/// A version as files write it: a text, as it should be, or a number, which was usual before 2.0.
+#[derive(Deserialize)]
+#[serde(untagged)]
+enum Version {
+    Text(String),
+    Number(serde_json::Number),
+}
+
+impl Version {
+    fn text(&self) -> String {
+        match self {
+            Self::Text(text) => text.clone(),
+            Self::Number(number) => number.to_string(),
+        }
+    }
 }
 
 #[derive(Deserialize)]
@@ -194,13 +211,15 @@ pub(super) fn label(kind: &str, index: usize, name: Option<&String>) -> String {
 }
 
 fn check_version(file: &Path, versions: Versions) -> Result<(), ImportError> {
-    let Some(version) = versions.asset.as_ref().and_then(|a| a.version.as_ref()) else {
+    let asset = versions.asset.as_ref();
+    let text = |version: &Option<Version>| version.as_ref().map(Version::text);
+    let Some(version) = asset.and_then(|a| text(&a.version)) else {
         let cause = "asset.version is missing: this is not glTF 2.0";
         return Err(ImportError::invalid(file, "JSON", cause));
     };
-    let least = versions.asset.as_ref().and_then(|a| a.min_version.as_ref());
+    let least = asset.and_then(|a| text(&a.min_version));
     let major = version.split('.').next();
-    if major == Some("2") && least.is_none_or(|v| v == "2.0") {
+    if major == Some("2") && least.as_ref().is_none_or(|v| v == "2.0") {
         return Ok(());
     }
     let cause = format!(
