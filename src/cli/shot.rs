@@ -5,7 +5,7 @@ use std::time::Instant;
 use bspray::accel::bsp::polygon::SceneTrees;
 use bspray::accel::extents::View;
 use bspray::accel::{Accelerator, AcceleratorKind};
-use bspray::picture::{exr, ldr};
+use bspray::picture;
 use bspray::render::{self, RenderOptions, Stage};
 use bspray::scene::{Camera, Scene};
 use serde_json::{Value, json};
@@ -167,12 +167,12 @@ impl Studio<'_> {
                 OutputKind::Exr => {
                     let layers = render::layers(&film, &view.camera);
                     let layers = overlay.iter().fold(layers, |layers, o| o.add_to(layers));
-                    exr::write(path, &metadata::add(layers, &summary))
+                    picture::exr::write(path, &metadata::add(layers, &summary))
                 }
                 OutputKind::Display => {
                     let integrator = self.options.integrator;
                     let raster = args.display.raster(&film, integrator, overlay.as_ref());
-                    ldr::write(path, &raster)
+                    picture::ldr::write(path, &raster)
                 }
             });
             written.err()
