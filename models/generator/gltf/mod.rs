@@ -1,11 +1,20 @@
-//! glTF 2.0 as far as the models need it, in one file with an embedded buffer.
+//! glTF 2.0 as far as the models need it: one file, as text with an embedded buffer or as GLB.
+
+mod glb;
+mod material;
+mod pose;
 
 use std::io;
 
 use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
-use serde::Serialize;
+use serde::{Serialize, Serializer};
+use serde_json::{Value, json};
+use std::collections::BTreeSet;
 
+pub(super) use self::glb::glb;
+pub(super) use self::material::Material;
+pub(super) use self::pose::{looking, rotation, sin_cos, turns};
 use super::shapes::Shape;
 
 /// Component types and targets by their numbers in OpenGL.
@@ -19,10 +28,18 @@ const ELEMENT_ARRAY_BUFFER: u32 = 34963;
 #[serde(rename_all = "camelCase")]
 pub(super) struct Document {
     asset: Asset,
+    #[serde(skip_serializing_if = "BTreeSet::is_empty")]
+    extensions_used: BTreeSet<String>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    extensions: Option<Value>,
     scene: u32,
     scenes: [SceneNodes; 1],
     nodes: Vec<Node>,
-    cameras: Vec<serde_json::Value>,
+    cameras: Vec<Value>,
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    textures: Vec<Value>,
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    images: Vec<Value>,
     materials: Vec<Material>,
     meshes: Vec<Mesh>,
     accessors: Vec<Accessor>,
@@ -30,6 +47,8 @@ pub(super) struct Document {
     buffers: Vec<Buffer>,
     #[serde(skip)]
     bytes: Vec<u8>,
+    #[serde(skip)]
+    lights: Vec<Value>,
 }
 
 #[derive(Serialize)]
@@ -60,23 +79,18 @@ pub(super) struct Node {
     pub scale: Option<[f32; 3]>,
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub children: Vec<usize>,
+    /// A light of KHR_lights_punctual, which shines along -z.
+    #[serde(
+        rename = "extensions",
+        skip_serializing_if = "Option::is_none",
+        serialize_with = "light_extension"
+    )]
+    pub light: Option<usize>,
 }
 
-#[derive(Serialize)]
-#[serde(rename_all = "camelCase")]
-struct Material {
-    name: &'static str,
-    pbr_metallic_roughness: PbrMetallicRoughness,
-    #[serde(skip_serializing_if = "std::ops::Not::not")]
-    double_sided: bool,
-}
-
-#[derive(Serialize)]
-#[serde(rename_all = "camelCase")]
-struct PbrMetallicRoughness {
-    base_color_factor: [f32; 4],
-    metallic_factor: f32,
-    roughness_factor: f32,
+/// How a node names its light.
+fn light_extension<S: Serializer>(light: &Option<usize>, to: S) -> Result<S::Ok, S::Error> {
+    json!({ "KHR_lights_punctual": { "light": light } }).serialize(to)
 }
 
 #[derive(Serialize)]
@@ -92,12 +106,21 @@ struct Primitive {
     material: usize,
 }
 
-#[derive(Serialize)]
+#[derive(Clone, Copy, Serialize)]
 struct Attributes {
     #[serde(rename = "POSITION")]
     position: usize,
     #[serde(rename = "NORMAL")]
     normal: usize,
+    #[serde(rename = "TEXCOORD_0", skip_serializing_if = "Option::is_none")]
+    uv: Option<usize>,
+}
+
+/// A shape in the document's buffer, to be used by meshes.
+#[derive(Clone, Copy)]
+pub(super) struct Geometry {
+    attributes: Attributes,
+    indices: usize,
 }
 
 #[derive(Serialize)]
@@ -109,9 +132,9 @@ struct Accessor {
     #[serde(rename = "type")]
     kind: &'static str,
     #[serde(skip_serializing_if = "Option::is_none")]
-    min: Option<[f32; 3]>,
+    min: Option<Vec<f32>>,
     #[serde(skip_serializing_if = "Option::is_none")]
-    max: Option<[f32; 3]>,
+    max: Option<Vec<f32>>,
 }
 
 #[derive(Serialize)]
@@ -120,14 +143,16 @@ struct BufferView {
     buffer: usize,
     byte_offset: usize,
     byte_length: usize,
-    target: u32,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    target: Option<u32>,
 }
 
 #[derive(Serialize)]
 #[serde(rename_all = "camelCase")]
 struct Buffer {
     byte_length: usize,
-    uri: String,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    uri: Option<String>,
 }
 
 impl Document {
@@ -138,6 +163,8 @@ impl Document {
                 version: "2.0",
                 generator: "bspray models/generate.rs",
             },
+            extensions_used: BTreeSet::new(),
+            extensions: None,
             scene: 0,
             scenes: [SceneNodes {
                 name: scene,
@@ -145,12 +172,15 @@ impl Document {
             }],
             nodes: Vec::new(),
             cameras: Vec::new(),
+            textures: Vec::new(),
+            images: Vec::new(),
             materials: Vec::new(),
             meshes: Vec::new(),
             accessors: Vec::new(),
             buffer_views: Vec::new(),
             buffers: Vec::new(),
             bytes: Vec::new(),
+            lights: Vec::new(),
         }
     }
 
@@ -162,24 +192,41 @@ impl Document {
         color: [f32; 3],
         roughness: f32,
     ) -> usize {
-        let [red, green, blue] = color;
-        self.materials.push(Material {
-            name,
-            pbr_metallic_roughness: PbrMetallicRoughness {
-                base_color_factor: [red, green, blue, 1.0],
-                metallic_factor: 0.0,
-                roughness_factor: roughness,
-            },
-            // The two sides of what has no inside.
-            double_sided: shape.triangles.len() == 2,
-        });
+        // The two sides of what has no inside.
+        let is_flat = shape.triangles.len() == 2;
+        let material = self.material(Material::new(name, color, roughness).two_sided(is_flat));
+        let geometry = self.geometry(shape);
+        self.mesh_of(name, geometry, material)
+    }
+
+    /// Adds a material; returns its number.
+    pub(super) fn material(&mut self, material: Material) -> usize {
+        self.extensions_used
+            .extend(material.extension_names().cloned());
+        self.materials.push(material);
+        self.materials.len() - 1
+    }
+
+    /// Adds a texture that repeats a PNG; returns its number.
+    pub(super) fn texture(&mut self, name: &'static str, png: &[u8]) -> usize {
+        let view = self.view(png, None);
+        self.images
+            .push(json!({ "name": name, "mimeType": "image/png", "bufferView": view }));
+        self.textures
+            .push(json!({ "name": name, "source": self.images.len() - 1 }));
+        self.textures.len() - 1
+    }
+
+    /// Adds a shape's vertices and triangles.
+    pub(super) fn geometry(&mut self, shape: &Shape) -> Geometry {
         let attributes = Attributes {
-            position: self.vectors(&shape.positions, true),
-            normal: self.vectors(&shape.normals, false),
+            position: self.vectors(&shape.positions, "VEC3", true),
+            normal: self.vectors(&shape.normals, "VEC3", false),
+            uv: (!shape.uvs.is_empty()).then(|| self.vectors(&shape.uvs, "VEC2", false)),
         };
         let indices = shape.triangles.as_flattened();
         let bytes: Vec<u8> = indices.iter().flat_map(|i| i.to_le_bytes()).collect();
-        let buffer_view = self.view(&bytes, ELEMENT_ARRAY_BUFFER);
+        let buffer_view = self.view(&bytes, Some(ELEMENT_ARRAY_BUFFER));
         self.accessors.push(Accessor {
             buffer_view,
             component_type: UNSIGNED_SHORT,
@@ -188,19 +235,40 @@ impl Document {
             min: None,
             max: None,
         });
+        Geometry {
+            attributes,
+            indices: self.accessors.len() - 1,
+        }
+    }
+
+    /// Adds a mesh: a geometry, which meshes may share, of one material. Returns its number.
+    pub(super) fn mesh_of(
+        &mut self,
+        name: &'static str,
+        geometry: Geometry,
+        material: usize,
+    ) -> usize {
         self.meshes.push(Mesh {
             name,
             primitives: [Primitive {
-                attributes,
-                indices: self.accessors.len() - 1,
-                material: self.materials.len() - 1,
+                attributes: geometry.attributes,
+                indices: geometry.indices,
+                material,
             }],
         });
         self.meshes.len() - 1
     }
 
+    /// Adds a light of KHR_lights_punctual; returns its number.
+    pub(super) fn light(&mut self, light: Value) -> usize {
+        self.extensions_used
+            .insert("KHR_lights_punctual".to_owned());
+        self.lights.push(light);
+        self.lights.len() - 1
+    }
+
     /// Adds a camera; returns its number.
-    pub(super) fn camera(&mut self, camera: serde_json::Value) -> usize {
+    pub(super) fn camera(&mut self, camera: Value) -> usize {
         self.cameras.push(camera);
         self.cameras.len() - 1
     }
@@ -217,19 +285,38 @@ impl Document {
         self.scenes[0].nodes.push(number);
     }
 
-    /// The file's bytes.
+    /// The file's bytes as a GLB.
+    pub(super) fn finish_glb(mut self) -> io::Result<Vec<u8>> {
+        if !self.lights.is_empty() {
+            let lights = std::mem::take(&mut self.lights);
+            self.extensions = Some(json!({ "KHR_lights_punctual": { "lights": lights } }));
+        }
+        let bytes = std::mem::take(&mut self.bytes);
+        self.buffers.push(Buffer {
+            byte_length: bytes.len(),
+            uri: None,
+        });
+        Ok(glb(&serde_json::to_string(&self)?, bytes))
+    }
+
+    /// The file's bytes as text, of a document without lights.
     pub(super) fn finish(mut self) -> io::Result<Vec<u8>> {
         let encoded = STANDARD.encode(&self.bytes);
         self.buffers.push(Buffer {
             byte_length: self.bytes.len(),
-            uri: format!("data:application/octet-stream;base64,{encoded}"),
+            uri: Some(format!("data:application/octet-stream;base64,{encoded}")),
         });
         let mut file = serde_json::to_vec_pretty(&self)?;
         file.push(b'\n');
         Ok(file)
     }
 
-    fn vectors(&mut self, vectors: &[[f32; 3]], with_bounds: bool) -> usize {
+    fn vectors<const N: usize>(
+        &mut self,
+        vectors: &[[f32; N]],
+        kind: &'static str,
+        with_bounds: bool,
+    ) -> usize {
         let bytes: Vec<u8> = vectors
             .as_flattened()
             .iter()
@@ -240,13 +327,13 @@ impl Document {
                 .iter()
                 .copied()
                 .reduce(|a, b| std::array::from_fn(|axis| choose(a[axis], b[axis])));
-            corner.filter(|_| with_bounds)
+            corner.filter(|_| with_bounds).map(Vec::from)
         };
         let accessor = Accessor {
-            buffer_view: self.view(&bytes, ARRAY_BUFFER),
+            buffer_view: self.view(&bytes, Some(ARRAY_BUFFER)),
             component_type: FLOAT,
             count: vectors.len(),
-            kind: "VEC3",
+            kind,
             min: bound(f32::min),
             max: bound(f32::max),
         };
@@ -254,7 +341,7 @@ impl Document {
         self.accessors.len() - 1
     }
 
-    fn view(&mut self, bytes: &[u8], target: u32) -> usize {
+    fn view(&mut self, bytes: &[u8], target: Option<u32>) -> usize {
         self.buffer_views.push(BufferView {
             buffer: 0,
             byte_offset: self.bytes.len(),
