@@ -1,4 +1,4 @@
-//! The columns and piers of the arcades: a base of mouldings, a shaft with entasis, a capital with leaves of plain bells.
+//! The columns and piers of the arcades: a base of mouldings, a shaft with entasis, a plain bell for a capital.
 
 use super::super::shapes::Shape;
 use super::plan::{ARCADE_DEPTH, ARCADE_TOP, SPRING};

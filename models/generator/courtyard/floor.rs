@@ -41,7 +41,7 @@ fn tile(outline: &[[f64; 2]], bevel: f64) -> Shape {
     shape
 }
 
-/// A square turned by 45 degrees, with corners cut off or not.
+/// A square, `half` from its middle to its sides, whose corners are cut off by `cut`.
 fn octagon(half: f64, cut: f64) -> Vec<[f64; 2]> {
     let (a, b) = (half, half - cut);
     [

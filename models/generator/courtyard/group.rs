@@ -7,25 +7,24 @@ use super::solids::Point;
 #[derive(Clone, Copy)]
 pub(super) struct Pose {
     at: Point,
-    rotation: [f32; 4],
-    scale: [f64; 3],
+    rotation: Option<[f32; 4]>,
+    scale: Option<[f64; 3]>,
 }
-
-const UNTURNED: [f32; 4] = [0.0, 0.0, 0.0, 1.0];
 
 impl Pose {
     /// At a place, as it was modelled.
     pub(super) fn at(at: Point) -> Self {
         Self {
             at,
-            rotation: UNTURNED,
-            scale: [1.0; 3],
+            rotation: None,
+            scale: None,
         }
     }
 
     /// Turned, after what was said before, around a unit axis, counter-clockwise seen from its tip.
     pub(super) fn turned(mut self, axis: Point, degrees: f64) -> Self {
-        self.rotation = turns(self.rotation, rotation(axis, degrees));
+        let turn = rotation(axis, degrees);
+        self.rotation = Some(self.rotation.map_or(turn, |first| turns(first, turn)));
         self
     }
 
@@ -34,9 +33,9 @@ impl Pose {
         self.turned([0.0, 1.0, 0.0], degrees)
     }
 
-    /// Stretched along its own axes.
+    /// Stretched along its own axes, before it is turned.
     pub(super) fn stretched(mut self, scale: [f64; 3]) -> Self {
-        self.scale = scale;
+        self.scale = Some(scale);
         self
     }
 
@@ -50,10 +49,9 @@ impl Pose {
         let short = |v: f64| ((v * 1e4).round() / 1e4) as f32 + 0.0;
         Node {
             name,
-            translation: (self.at != [0.0; 3]).then(|| self.at.map(short)),
-            rotation: (self.rotation != UNTURNED)
-                .then(|| self.rotation.map(|v| short(f64::from(v)))),
-            scale: (self.scale != [1.0; 3]).then(|| self.scale.map(short)),
+            translation: Some(self.at.map(short)),
+            rotation: self.rotation.map(|r| r.map(|v| short(f64::from(v)))),
+            scale: self.scale.map(|s| s.map(short)),
             ..Node::default()
         }
     }

@@ -1,11 +1,12 @@
 //! Lanterns of iron and glass on brackets, each with a point light.
 
+use serde_json::json;
+
 use super::super::gltf::{Document, Node};
 use super::super::shapes::Shape;
 use super::group::{Group, Pose};
 use super::materials::Materials;
 use super::solids::{Point, block, lathe};
-use serde_json::json;
 
 /// The meshes of lanterns, and their light.
 pub(super) struct Lanterns {

@@ -70,7 +70,7 @@ impl Materials {
             iron: document.material(Material::new("iron", [0.05, 0.05, 0.055], 0.5).metal()),
             bronze: document.material(Material::new("bronze", [0.62, 0.38, 0.16], 0.3).metal()),
             steel: document.material(Material::new("steel", [0.68, 0.69, 0.70], 0.05).metal()),
-            glass: document.material(Material::new("glass", [0.90, 0.98, 0.95], 0.0).glass(
+            glass: document.material(Material::new("glass", [0.72, 0.93, 0.89], 0.0).glass(
                 1.5,
                 0.4,
                 [0.55, 0.88, 0.78],

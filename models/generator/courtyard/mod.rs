@@ -66,7 +66,7 @@ fn garden(document: &mut Document, materials: &Materials) {
         court.add(document, "potted bush", bush, Pose::at(at));
     }
     for (scale, turn, at) in [
-        (0.95, 0.0, [-6.15, 0.0, 3.95]),
+        (0.95, 0.0, [-6.0, 0.0, 4.0]),
         (0.95, 20.0, [1.75, 0.0, 4.75]),
         (0.85, 140.0, [3.95, 0.0, 1.5]),
     ] {
@@ -89,9 +89,9 @@ fn garden(document: &mut Document, materials: &Materials) {
         document,
         &mut court,
         false,
-        Pose::at([-6.1, 0.0, 0.3]).scaled(1.0),
+        Pose::at([-6.05, 0.0, 0.05]).scaled(0.92),
     );
-    let climber = plants.climber(document, [4.2, 2.3], 105, 41);
+    let climber = plants.climber(document, [4.2, 2.3], 100, 41);
     let pose = Pose::at([HALF - 0.08, 6.55, -3.4]).facing(-90.0);
     court.add(document, "bougainvillea", climber, pose);
     court.finish(document, "plants", Pose::at([0.0; 3]));
@@ -150,9 +150,9 @@ fn cameras(document: &mut Document) {
     for (name, yfov, eye, target) in [
         (
             "through the arcade",
-            0.70,
+            0.73,
             [-9.4, 1.6, 4.3],
-            [0.8, 1.9, -0.9],
+            [0.8, 1.83, -0.9],
         ),
         ("from the stair", 0.86, [4.9, 5.0, -2.6], [-0.8, 1.2, 1.4]),
     ] {

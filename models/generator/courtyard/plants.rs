@@ -258,7 +258,7 @@ impl Plants {
         let mut group = Group::new();
         let pose = Pose::at([0.0; 3]).stretched([2.5, height * 0.8, 2.5]);
         group.put(document, "trunk", self.trunk, pose);
-        const SPRAYS: u32 = 54;
+        const SPRAYS: u32 = 50;
         for i in 0..SPRAYS {
             let share = f64::from(i) / f64::from(SPRAYS);
             let (sin, cos) = turn(f64::from(i) * 0.381_966);

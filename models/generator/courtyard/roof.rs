@@ -114,7 +114,9 @@ impl Roofing {
                     .turned([1.0, 0.0, 0.0], -2.2 + chance.about(0.5))
                     .facing(chance.about(1.1));
                 let weights = [0, 0, 0, 1, 1, 2, 2, 3];
-                let tiles = if row == 0 { self.hollow } else { self.tiles };
+                // Through a hollow tile of a single row one would see the sky.
+                let is_hollow = row == 0 && rows > 1;
+                let tiles = if is_hollow { self.hollow } else { self.tiles };
                 let mesh = tiles[chance.pick(&weights)];
                 group.put(document, "roof tile", mesh, pose);
             }

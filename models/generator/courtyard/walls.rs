@@ -138,12 +138,12 @@ impl Windows {
         group.put(document, "window pane", self.dark, at);
         let [w, h] = self.half;
         // Shutters turn around the outer edges; the right one is the left one upside down.
-        let hinge = |side: f64| [x + side * (w + 0.02), y - side * -0.0 - h + 0.015, 0.055];
+        let hinge = |side: f64| [x + side * (w + 0.02), y + side * (h - 0.015), 0.055];
         let pose = Pose::at(hinge(-1.0)).facing(-left);
         group.put(document, "left shutter", self.shutter, pose);
-        let mut pose = hinge(1.0);
-        pose[1] += 2.0 * h - 0.03;
-        let pose = Pose::at(pose).turned([0.0, 0.0, 1.0], 180.0).facing(right);
+        let pose = Pose::at(hinge(1.0))
+            .turned([0.0, 0.0, 1.0], 180.0)
+            .facing(right);
         group.put(document, "right shutter", self.shutter, pose);
     }
 }

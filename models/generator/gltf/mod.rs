@@ -2,18 +2,20 @@
 
 mod glb;
 mod material;
+mod parts;
 mod pose;
 
+use std::collections::BTreeSet;
 use std::io;
 
 use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
 use serde::{Serialize, Serializer};
 use serde_json::{Value, json};
-use std::collections::BTreeSet;
 
 pub(super) use self::glb::glb;
 pub(super) use self::material::Material;
+use self::parts::{Accessor, Asset, Attributes, Buffer, BufferView, Mesh, Primitive, SceneNodes};
 pub(super) use self::pose::{looking, rotation, sin_cos, turns};
 use super::shapes::Shape;
 
@@ -51,18 +53,6 @@ pub(super) struct Document {
     lights: Vec<Value>,
 }
 
-#[derive(Serialize)]
-struct Asset {
-    version: &'static str,
-    generator: &'static str,
-}
-
-#[derive(Serialize)]
-struct SceneNodes {
-    name: &'static str,
-    nodes: Vec<usize>,
-}
-
 /// A node: translation, rotation (a unit quaternion, x y z w) and scale place what hangs below it.
 #[derive(Default, Serialize)]
 pub(super) struct Node {
@@ -93,66 +83,11 @@ fn light_extension<S: Serializer>(light: &Option<usize>, to: S) -> Result<S::Ok,
     json!({ "KHR_lights_punctual": { "light": light } }).serialize(to)
 }
 
-#[derive(Serialize)]
-struct Mesh {
-    name: &'static str,
-    primitives: [Primitive; 1],
-}
-
-#[derive(Serialize)]
-struct Primitive {
-    attributes: Attributes,
-    indices: usize,
-    material: usize,
-}
-
-#[derive(Clone, Copy, Serialize)]
-struct Attributes {
-    #[serde(rename = "POSITION")]
-    position: usize,
-    #[serde(rename = "NORMAL")]
-    normal: usize,
-    #[serde(rename = "TEXCOORD_0", skip_serializing_if = "Option::is_none")]
-    uv: Option<usize>,
-}
-
 /// A shape in the document's buffer, to be used by meshes.
 #[derive(Clone, Copy)]
 pub(super) struct Geometry {
     attributes: Attributes,
     indices: usize,
-}
-
-#[derive(Serialize)]
-#[serde(rename_all = "camelCase")]
-struct Accessor {
-    buffer_view: usize,
-    component_type: u32,
-    count: usize,
-    #[serde(rename = "type")]
-    kind: &'static str,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    min: Option<Vec<f32>>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    max: Option<Vec<f32>>,
-}
-
-#[derive(Serialize)]
-#[serde(rename_all = "camelCase")]
-struct BufferView {
-    buffer: usize,
-    byte_offset: usize,
-    byte_length: usize,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    target: Option<u32>,
-}
-
-#[derive(Serialize)]
-#[serde(rename_all = "camelCase")]
-struct Buffer {
-    byte_length: usize,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    uri: Option<String>,
 }
 
 impl Document {
