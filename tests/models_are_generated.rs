@@ -6,6 +6,9 @@ mod generator;
 use std::fs;
 use std::path::Path;
 
+use bspray::import;
+use bspray::scene::LightKind;
+
 #[test]
 fn models_are_what_the_generator_makes() {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("models");
@@ -31,5 +34,78 @@ fn every_malformed_file_is_generated() {
             files.iter().any(|f| f.name == name),
             "{name} is not in the table"
         );
+    }
+}
+
+#[test]
+fn the_courtyard_loads_whole_and_is_as_large_as_it_says() {
+    let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("models/courtyard.glb");
+    assert!(fs::metadata(&file).unwrap().len() < 2_500_000);
+    let scene = import::load(&[file]).unwrap();
+    assert!(scene.notes.is_empty(), "{:?}", scene.notes);
+    assert!(scene.defects.is_empty(), "{:?}", scene.defects);
+    let placed: usize = scene
+        .instances
+        .iter()
+        .map(|i| scene.meshes[i.mesh as usize].triangles.len())
+        .sum();
+    assert!((30_000..=100_000).contains(&placed), "{placed}");
+    assert_eq!(scene.cameras.len(), 2);
+    let suns = scene.lights.iter();
+    let suns = suns.filter(|l| l.kind == LightKind::Directional).count();
+    assert_eq!((suns, scene.lights.len()), (1, 6));
+    for mesh in &scene.meshes {
+        let vertices = mesh.positions.len();
+        assert_eq!(mesh.normals.len(), vertices, "{}", mesh.name);
+        assert_eq!(mesh.uv_sets[0].len(), vertices, "{}", mesh.name);
+        assert!(!mesh.name.is_empty());
+    }
+    let has = |name: &str| scene.materials.iter().find(|m| m.name == name).unwrap();
+    assert!(has("glass").transmission.is_some());
+    assert!(has("bronze").metallic > 0.99);
+    assert!(has("lamp glass").emissive.x > 1.0);
+    assert!(scene.images.iter().all(|i| i.pixels.is_some()));
+}
+
+#[test]
+fn closed_parts_of_the_courtyard_face_outwards() {
+    let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("models/courtyard.glb");
+    let scene = import::load(&[file]).unwrap();
+    // The divergence theorem: of a closed mesh whose faces look outwards, the volume is positive.
+    for name in [
+        "column",
+        "arcade wall",
+        "fountain basin",
+        "bronze bowl",
+        "glass orb",
+        "step",
+        "cornice",
+        "pot",
+    ] {
+        let mesh = scene.meshes.iter().find(|m| m.name == name).unwrap();
+        let corner = |v: u32| mesh.positions[v as usize].as_dvec3();
+        let volume: f64 = mesh
+            .triangles
+            .iter()
+            .map(|t| t.map(corner))
+            .map(|[a, b, c]| a.dot(b.cross(c)) / 6.0)
+            .sum();
+        assert!(volume > 1e-4, "{name}: {volume}");
+    }
+}
+
+#[test]
+fn normals_of_the_courtyard_look_where_its_faces_look() {
+    let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("models/courtyard.glb");
+    let scene = import::load(&[file]).unwrap();
+    for mesh in &scene.meshes {
+        for triangle in &mesh.triangles {
+            let [a, b, c] = triangle.map(|v| mesh.positions[v as usize]);
+            let face = (b - a).cross(c - a).normalize_or_zero();
+            for v in triangle {
+                let cosine = mesh.normals[*v as usize].dot(face);
+                assert!(cosine > 0.3, "{}: {triangle:?} {cosine}", mesh.name);
+            }
+        }
     }
 }

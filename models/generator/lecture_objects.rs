@@ -3,12 +3,11 @@
 //! Metres, y up. Meshes are shared between nodes that turn and stretch them, in hierarchies of up to three nodes. No light:
 //! a renderer's default sky suits it.
 
-use std::f64::consts::PI;
 use std::io;
 
 use serde_json::json;
 
-use super::gltf::{Document, Node};
+use super::gltf::{Document, Node, looking, rotation, sin_cos};
 use super::shapes;
 
 /// Air below each object and between stacked ones, so that no two surfaces coincide after rounding.
@@ -215,32 +214,4 @@ fn cameras(document: &mut Document) {
         camera: Some(drawing),
         ..looking("drawing", [-7.0, 6.5, 8.0], [0.3, 1.5, 0.0])
     });
-}
-
-/// A node at `eye` whose -z axis points at `target`, y up. The right vector stays horizontal.
-fn looking(name: &'static str, eye: [f64; 3], target: [f64; 3]) -> Node {
-    let [x, y, z]: [f64; 3] = std::array::from_fn(|i| target[i] - eye[i]);
-    let yaw = libm::atan2(-x, -z) / 2.0;
-    let pitch = libm::atan2(y, (x * x + z * z).sqrt()) / 2.0;
-    // The quaternion of a turn by yaw around y after one by pitch around x.
-    let (sy, cy) = (libm::sin(yaw), libm::cos(yaw));
-    let (sp, cp) = (libm::sin(pitch), libm::cos(pitch));
-    Node {
-        name,
-        translation: Some(eye.map(|v| v as f32)),
-        rotation: Some([cy * sp, sy * cp, -sy * sp, cy * cp].map(|v| v as f32)),
-        ..Node::default()
-    }
-}
-
-/// A turn around a unit axis, counter-clockwise seen from its tip.
-fn rotation(axis: [f64; 3], degrees: f64) -> [f32; 4] {
-    let (sin, cos) = sin_cos(degrees / 2.0);
-    let [x, y, z] = axis.map(|v| v * sin);
-    [x, y, z, cos].map(|v| v as f32)
-}
-
-fn sin_cos(degrees: f64) -> (f64, f64) {
-    let angle = degrees * PI / 180.0;
-    (libm::sin(angle), libm::cos(angle))
 }

@@ -1,6 +1,6 @@
 //! Files with one defect each. Each says in its text what is wrong with it, where the format has room for that.
 
-use super::GeneratedFile;
+use super::{GeneratedFile, gltf};
 
 /// OBJ and MTL files: their names and what they hold.
 const TEXTS: &[(&str, &str)] = &[
@@ -198,21 +198,7 @@ pub(super) fn files() -> Vec<GeneratedFile> {
 /// [`QUAD`] as a GLB.
 fn glb() -> Vec<u8> {
     let positions: [f32; 12] = [0.0, 0.0, 0.0, 2.0, 0.0, 0.0, 2.0, 1.0, 0.0, 0.0, 1.0, 0.0];
-    let json = QUAD.replace(URI, "");
     let mut data: Vec<u8> = positions.iter().flat_map(|v| v.to_le_bytes()).collect();
     data.extend([0, 1, 2, 0, 2, 3]);
-    // A chunk's length is a multiple of four; spaces fill up JSON, zeros data.
-    let json_length = json.len().next_multiple_of(4);
-    data.resize(data.len().next_multiple_of(4), 0);
-    let mut glb = Vec::new();
-    glb.extend(b"glTF");
-    glb.extend(2_u32.to_le_bytes());
-    glb.extend(((12 + 8 + json_length + 8 + data.len()) as u32).to_le_bytes());
-    glb.extend((json_length as u32).to_le_bytes());
-    glb.extend(b"JSON");
-    glb.extend(format!("{json:json_length$}").bytes());
-    glb.extend((data.len() as u32).to_le_bytes());
-    glb.extend(b"BIN\0");
-    glb.extend(data);
-    glb
+    gltf::glb(&QUAD.replace(URI, ""), data)
 }

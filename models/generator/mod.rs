@@ -1,6 +1,7 @@
 //! The models of this folder as functions: the same bytes on every machine, without clock, chance or the C library's sine.
 
 mod cornell_box;
+mod courtyard;
 mod gltf;
 mod lecture_block;
 mod lecture_edges;
@@ -47,6 +48,7 @@ pub(crate) fn files() -> io::Result<Vec<GeneratedFile>> {
         GeneratedFile::new("lecture-block.obj", lecture_block::obj()),
         GeneratedFile::new("lecture-edges.obj", lecture_edges::obj()),
         GeneratedFile::new("lecture-objects.gltf", lecture_objects::gltf()?),
+        GeneratedFile::new("courtyard.glb", courtyard::glb()?),
         GeneratedFile::new("concave.obj", CONCAVE),
         GeneratedFile::new("cornell-box.obj", cornell_box::obj()),
         GeneratedFile::new("cornell-box.mtl", cornell_box::MTL),

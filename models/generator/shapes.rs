@@ -5,17 +5,18 @@
 
 use std::f64::consts::TAU;
 
-/// Vertices with unit normals, and triangles between them.
-#[derive(Default)]
+/// Vertices with unit normals, and triangles between them. Texture coordinates are there for all vertices or for none.
+#[derive(Clone, Default)]
 pub(super) struct Shape {
     pub positions: Vec<[f32; 3]>,
     pub normals: Vec<[f32; 3]>,
+    pub uvs: Vec<[f32; 2]>,
     pub triangles: Vec<[u16; 3]>,
 }
 
 impl Shape {
     /// Adds a vertex; the normal need not be unit.
-    fn vertex(&mut self, position: [f64; 3], normal: [f64; 3]) -> u16 {
+    pub(super) fn vertex(&mut self, position: [f64; 3], normal: [f64; 3]) -> u16 {
         let [x, y, z] = normal;
         let length = (x * x + y * y + z * z).sqrt();
         // `+ 0.0` turns -0 into 0, which reads better in a file.
@@ -39,14 +40,17 @@ impl Shape {
         for row in 0..rows {
             for column in 0..columns {
                 let a = first + row * (columns + 1) + column;
-                let (b, c, d) = (a + 1, a + columns + 2, a + columns + 1);
-                for triangle in [[a, b, c], [a, c, d]] {
-                    let [p, q, r] =
-                        triangle.map(|v| self.positions[usize::from(v)].map(f32::to_bits));
-                    if p != q && q != r && r != p {
-                        self.triangles.push(triangle);
-                    }
-                }
+                self.cell([a, a + 1, a + columns + 2, a + columns + 1]);
+            }
+        }
+    }
+
+    /// Adds a cell of a grid, counter-clockwise, without the triangles of which two corners are equal.
+    pub(super) fn cell(&mut self, [a, b, c, d]: [u16; 4]) {
+        for triangle in [[a, b, c], [a, c, d]] {
+            let [p, q, r] = triangle.map(|v| self.positions[usize::from(v)].map(f32::to_bits));
+            if p != q && q != r && r != p {
+                self.triangles.push(triangle);
             }
         }
     }
@@ -69,7 +73,7 @@ impl Shape {
 }
 
 /// Sine and cosine of a part of a full turn; exactly those of 0 at 1, so that seams close.
-fn turn(part: f64) -> (f64, f64) {
+pub(super) fn turn(part: f64) -> (f64, f64) {
     let angle = TAU * (part % 1.0);
     (libm::sin(angle), libm::cos(angle))
 }

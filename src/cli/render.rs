@@ -60,7 +60,7 @@ pub(super) struct RenderArgs {
     /// How far an ambient-occlusion ray must get, in model units [default: a tenth of the scene's diagonal]
     #[arg(long, value_name = "LENGTH", value_parser = values::positive)]
     ao_distance: Option<f32>,
-    /// Whether a sky and its sun light the scene; `auto`: if the models have no light of their own
+    /// Whether a sky and its sun light the scene; `auto`: if the models have no light of their own, or a sun but no sky
     #[arg(long, value_enum, value_name = "WHEN", default_value_t = SkyName::Auto)]
     sky: SkyName,
     /// How light between pixel centres is shared out

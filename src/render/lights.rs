@@ -62,7 +62,7 @@ pub struct Lights {
 }
 
 impl Lights {
-    /// The scene's own lights, and a sky with its sun if given.
+    /// The scene's own lights, and a sky if given, with its sun unless the scene brings one.
     pub(super) fn new(scene: &Scene, instances: &[StagedInstance], sky: Option<Sky>) -> Self {
         let emitters = emitters(scene, instances);
         let power = |e: &Emitter| {
@@ -80,7 +80,9 @@ impl Lights {
             punctual: scene.lights.clone(),
             emitter_cdf,
             emitters,
-            sun: sky.map(|sky| Sun::of(&sky)),
+            sun: sky
+                .filter(|_| !has_directional(scene))
+                .map(|sky| Sun::of(&sky)),
             sky,
         }
     }
@@ -185,6 +187,12 @@ impl Sun {
             irradiance: Vec3::new(2.10, 1.98, 1.80),
         }
     }
+}
+
+/// Whether the scene has a light from infinitely far: a sun of its own.
+pub(super) fn has_directional(scene: &Scene) -> bool {
+    let mut lights = scene.lights.iter();
+    lights.any(|light| light.kind == LightKind::Directional)
 }
 
 fn emitters(scene: &Scene, staged: &[StagedInstance]) -> Vec<Emitter> {

@@ -2,7 +2,7 @@
 
 use glam::{DMat3, Vec3};
 
-use super::lights::Lights;
+use super::lights::{Lights, has_directional};
 use crate::accel::bsp::polygon::SceneTrees;
 use crate::accel::{Accelerator, TestSpaces};
 use crate::geometry::Triangle;
@@ -13,10 +13,11 @@ use crate::scene::{Instance, Scene, Sky, TriangleMesh};
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum SkyMode {
     /// In scenes that have no light of their own: no punctual light, and no material of a constant emission. (Emission
-    /// through a texture is mostly a detail, such as a display, that is meant to be seen in other light.)
+    /// through a texture is mostly a detail, such as a display, that is meant to be seen in other light.) Also in scenes with a
+    /// directional light, which is a sun: files have no word for the sky that goes with it.
     #[default]
     Auto,
-    /// Always.
+    /// Always. A directional light of the scene takes the place of our own sun.
     On,
     /// Never.
     Off,
@@ -88,7 +89,7 @@ impl<'a> Stage<'a> {
         let instances: Vec<_> = scene.instances.iter().enumerate().map(staged).collect();
         let is_lit = !scene.lights.is_empty() || scene.has_constant_emission();
         let wants_sky = match sky {
-            SkyMode::Auto => !is_lit,
+            SkyMode::Auto => !is_lit || has_directional(scene),
             SkyMode::On => true,
             SkyMode::Off => false,
         };

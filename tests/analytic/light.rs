@@ -83,6 +83,28 @@ fn sky_and_sun_on_a_horizontal_plate() {
 }
 
 #[test]
+fn a_sun_of_the_file_has_our_sky_and_takes_the_place_of_our_sun() {
+    let mut scene = scene([(level(0.0, [-1.0, 2.0], [-2.0, 1.0]), matt(Vec3::ONE))]);
+    scene.cameras.push(down(0.5, 0.5, 0.1));
+    let (lux, travels) = (
+        Vec3::new(3.0, 2.0, 1.0),
+        DVec3::new(1.0, -2.0, 0.5).normalize(),
+    );
+    scene.lights.push(Light {
+        kind: LightKind::Directional,
+        direction: travels.as_vec3(),
+        ..point_light(Vec3::ZERO, lux)
+    });
+    let sky = Sky::daylight(Vec3::Y);
+    let [horizon, zenith] = [sky.horizon, sky.zenith].map(|c| c.as_dvec3());
+    let from_sky = (horizon * 0.2 + zenith * 0.8) * PI;
+    let want = (from_sky + lux.as_dvec3() * -travels.y) / PI;
+    for mode in [SkyMode::Auto, SkyMode::On] {
+        assert_sampled(sampled(&scene, mode, SAMPLES), want);
+    }
+}
+
+#[test]
 fn sky_and_ground_on_a_wall_in_the_shade() {
     // A wall that looks along -z, away from the sun: half of what it sees is sky, half ground.
     let wall = quad([
