@@ -140,6 +140,32 @@ pub(super) fn crease_angle(text: &str) -> Result<f32, String> {
         .ok_or_else(|| "want an angle from 0 to 180 degrees".to_owned())
 }
 
+/// An amount of memory in bytes: `8GiB`, `1.5GB`, `4096`.
+pub(super) fn memory(text: &str) -> Result<u64, String> {
+    const UNITS: [(&str, f64); 10] = [
+        ("", 1.0),
+        ("b", 1.0),
+        ("kb", 1e3),
+        ("mb", 1e6),
+        ("gb", 1e9),
+        ("tb", 1e12),
+        ("kib", 1024.0),
+        ("mib", 1_048_576.0),
+        ("gib", 1_073_741_824.0),
+        ("tib", 1_099_511_627_776.0),
+    ];
+    let is_letter = |c: char| c.is_ascii_alphabetic();
+    let (number, unit) = text.split_at(text.find(is_letter).unwrap_or(text.len()));
+    let unit = unit.to_ascii_lowercase();
+    let factor = UNITS.iter().find(|(name, _)| *name == unit);
+    let bytes = number.trim().parse::<f64>().ok().zip(factor);
+    match bytes.map(|(number, (_, factor))| number * factor) {
+        // Beyond 2^64 it is all that there is.
+        Some(bytes) if bytes >= 1.0 => Ok(bytes as u64),
+        _ => Err("want a size such as 8GiB, 512MiB or 2000000000 (bytes)".to_owned()),
+    }
+}
+
 /// A part of a picture: `x0,x1,y0,y1` as shares of its width and height, as pbrt has it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct CropWindow([f64; 4]);
