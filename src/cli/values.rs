@@ -154,9 +154,8 @@ pub(super) fn memory(text: &str) -> Result<u64, String> {
         ("gib", 1_073_741_824.0),
         ("tib", 1_099_511_627_776.0),
     ];
-    let is_letter = |c: char| c.is_ascii_alphabetic();
-    let (number, unit) = text.split_at(text.find(is_letter).unwrap_or(text.len()));
-    let unit = unit.to_ascii_lowercase();
+    let number = text.trim_end_matches(|c: char| c.is_ascii_alphabetic());
+    let unit = text[number.len()..].to_ascii_lowercase();
     let factor = UNITS.iter().find(|(name, _)| *name == unit);
     let bytes = number.trim().parse::<f64>().ok().zip(factor);
     match bytes.map(|(number, (_, factor))| number * factor) {
@@ -258,6 +257,26 @@ mod tests {
         assert_eq!(resolution("1000,600"), Ok((1000, 600)));
         for wrong in ["", "12", "0x5", "5x0", "1x2x3", "-4x4", "99999x1", "axb"] {
             assert!(resolution(wrong).is_err(), "{wrong}");
+        }
+    }
+
+    #[test]
+    fn amounts_of_memory_have_units() {
+        let sizes = [
+            "8GiB",
+            "1.5 kb",
+            "512MiB",
+            "4096",
+            "7B",
+            "1e3",
+            "99999999TiB",
+        ];
+        let bytes = [8 << 30, 1500, 512 << 20, 4096, 7, 1000, u64::MAX];
+        assert_eq!(sizes.map(memory), bytes.map(Ok));
+        for wrong in [
+            "", "GiB", "0", "-1GiB", "1 bit", "nan", "inf", "8G", "1GiB2",
+        ] {
+            assert!(memory(wrong).is_err(), "{wrong}");
         }
     }
 

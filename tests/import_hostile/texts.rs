@@ -10,10 +10,20 @@ const V: &str = "v 0 0 0\nv 2 0 0\nv 0 1 0\n";
 const MEMORY: u64 = 1 << 30;
 
 #[test]
+fn a_line_of_16_mb_is_read_or_refused() {
+    try_line(16 << 20, 256 << 20);
+}
+
+#[test]
+#[ignore = "takes half a minute; run it with `cargo test --test import_hostile -- --ignored`"]
 fn a_line_of_100_mb_is_read_or_refused() {
-    let size = 100 << 20;
+    try_line(100 << 20, MEMORY);
+}
+
+/// A line of `size` bytes, within `memory`.
+fn try_line(size: usize, memory: u64) {
     let face = format!("{V}f {}\n", "1 2 3 ".repeat(size / 6));
-    let within = options(MEMORY, false);
+    let within = options(memory, false);
     let error = load_within("a.obj", face.as_bytes(), &within).expect_err("too many corners");
     expect(&error, &["a.obj: line 4: would take", "--memory-limit"]);
     for word in ["# ", "o ", "usemtl ", "v ", "mtllib ", "unknown "] {

@@ -10,8 +10,8 @@ const LONGEST_NAME: usize = 4096;
 /// Finds files. Folders are listed once, however many names are looked for in them.
 #[derive(Default)]
 pub(super) struct Finder {
-    /// The names in each folder, sorted.
-    lists: HashMap<PathBuf, Vec<OsString>>,
+    /// The names in each folder by what they are in small letters; of those alike the first.
+    lists: HashMap<PathBuf, HashMap<String, OsString>>,
 }
 
 impl Finder {
@@ -50,18 +50,15 @@ impl Finder {
             path = if part == ".." || as_written.exists() {
                 as_written
             } else {
-                let alike = |entry: &&OsString| {
-                    let entry = entry.to_str();
-                    entry.is_some_and(|e| e.eq_ignore_ascii_case(part))
-                };
-                path.join(self.list(&path).iter().find(alike)?)
+                let list = self.list(&path);
+                path.join(list.get(&part.to_ascii_lowercase())?)
             };
         }
         path.is_file().then_some(path)
     }
 
     /// What is in a folder: nothing, if it cannot be read.
-    fn list(&mut self, folder: &Path) -> &[OsString] {
+    fn list(&mut self, folder: &Path) -> &HashMap<String, OsString> {
         let list = || {
             let here = match folder.as_os_str().is_empty() {
                 true => Path::new("."),
@@ -71,9 +68,10 @@ impl Finder {
             let mut names: Vec<_> = entries
                 .filter_map(|entry| Some(entry.ok()?.file_name()))
                 .collect();
-            // A folder is listed in no order.
-            names.sort();
-            names
+            // A folder is listed in no order. The first of those alike comes last, and stays.
+            names.sort_by(|a, b| b.cmp(a));
+            let lower = |name: OsString| Some((name.to_str()?.to_ascii_lowercase(), name));
+            names.into_iter().filter_map(lower).collect()
         };
         self.lists.entry(folder.to_owned()).or_insert_with(list)
     }

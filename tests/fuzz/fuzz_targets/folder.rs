@@ -32,3 +32,10 @@ pub(crate) fn options(bytes: &[u8]) -> ImportOptions {
         ..ImportOptions::default()
     }
 }
+
+/// Takes away libFuzzer's hook, which ends the process at every panic: the importers catch those of foreign decoders. A panic that
+/// leaves the target ends it still.
+pub(crate) fn init() {
+    let _ = std::panic::take_hook();
+    std::panic::set_hook(Box::new(|_| {}));
+}

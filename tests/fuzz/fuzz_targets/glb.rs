@@ -11,7 +11,7 @@ mod import_contract;
 /// Bytes before the JSON: the file's header and the chunk's.
 const HEADER: usize = 20;
 
-fuzz_target!(|bytes: &[u8]| {
+fuzz_target!(init: folder::init(), |bytes: &[u8]| {
     let Some(body) = bytes.get(HEADER..) else {
         return;
     };

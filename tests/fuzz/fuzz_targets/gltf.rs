@@ -8,7 +8,7 @@ mod folder;
 #[path = "../../support/import_contract.rs"]
 mod import_contract;
 
-fuzz_target!(|bytes: &[u8]| {
+fuzz_target!(init: folder::init(), |bytes: &[u8]| {
     let file = folder::write("model.gltf", bytes);
     let _ = import_contract::load_checked(&file, &folder::options(bytes));
 });

@@ -11,7 +11,7 @@ mod import_contract;
 /// Bytes of the triangle's positions.
 const POSITIONS: usize = 36;
 
-fuzz_target!(|bytes: &[u8]| {
+fuzz_target!(init: folder::init(), |bytes: &[u8]| {
     let image = bytes.len();
     let length = POSITIONS + image;
     // The name helps with TGA, which has no mark of its own.

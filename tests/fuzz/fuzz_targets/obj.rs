@@ -13,7 +13,7 @@ const MARK: &[u8] = b"\n#mtl\n";
 /// One grey pixel.
 const PNG: &[u8] = b"\x89PNG\r\n\x1a\n\0\0\0\rIHDR\0\0\0\x01\0\0\0\x01\x08\0\0\0\0\x3a\x7e\x9b\x55\0\0\0\nIDAT\x78\x9c\x63\x68\0\0\0\x82\0\x81\x77\xcd\x72\xb6\0\0\0\0IEND\xae\x42\x60\x82";
 
-fuzz_target!(|bytes: &[u8]| {
+fuzz_target!(init: folder::init(), |bytes: &[u8]| {
     let mark = bytes.windows(MARK.len()).position(|w| w == MARK);
     let (obj, mtl) = bytes.split_at(mark.unwrap_or(bytes.len()));
     folder::write("a.png", PNG);
