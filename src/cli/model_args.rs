@@ -33,6 +33,9 @@ pub(super) struct ModelArgs {
     /// Shade faces that meet at this angle or less as one smooth surface, where a file gives no normals. Smoothing groups of OBJ files are smooth at any angle
     #[arg(long, value_name = "DEGREES", value_parser = values::crease_angle, help_heading = "Models")]
     crease_angle: Option<f32>,
+    /// Refuse models that would take more memory than SIZE while they are read, such as 8GiB or 512MiB, estimated from what they claim [default: three quarters of the machine's memory]
+    #[arg(long, value_name = "SIZE", value_parser = values::memory, help_heading = "Models")]
+    memory_limit: Option<u64>,
 }
 
 impl ModelArgs {
@@ -57,6 +60,7 @@ impl ModelArgs {
             variant: self.variant.clone(),
             moment,
             crease_angle: self.crease_angle,
+            memory_limit: self.memory_limit,
         })
     }
 }

@@ -143,6 +143,31 @@ pub(super) fn crease_angle(text: &str) -> Result<f32, String> {
         .ok_or_else(|| "want an angle from 0 to 180 degrees".to_owned())
 }
 
+/// An amount of memory in bytes: `8GiB`, `1.5GB`, `4096`.
+pub(super) fn memory(text: &str) -> Result<u64, String> {
+    const UNITS: [(&str, f64); 10] = [
+        ("", 1.0),
+        ("b", 1.0),
+        ("kb", 1e3),
+        ("mb", 1e6),
+        ("gb", 1e9),
+        ("tb", 1e12),
+        ("kib", 1024.0),
+        ("mib", 1_048_576.0),
+        ("gib", 1_073_741_824.0),
+        ("tib", 1_099_511_627_776.0),
+    ];
+    let number = text.trim_end_matches(|c: char| c.is_ascii_alphabetic());
+    let unit = text[number.len()..].to_ascii_lowercase();
+    let factor = UNITS.iter().find(|(name, _)| *name == unit);
+    let bytes = number.trim().parse::<f64>().ok().zip(factor);
+    match bytes.map(|(number, (_, factor))| number * factor) {
+        // Beyond 2^64 it is all that there is.
+        Some(bytes) if bytes >= 1.0 => Ok(bytes as u64),
+        _ => Err("want a size such as 8GiB, 512MiB or 2000000000 (bytes)".to_owned()),
+    }
+}
+
 /// A part of a picture: `x0,x1,y0,y1` as shares of its width and height, as pbrt has it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct CropWindow([f64; 4]);
@@ -235,6 +260,26 @@ mod tests {
         assert_eq!(resolution("1000,600"), Ok((1000, 600)));
         for wrong in ["", "12", "0x5", "5x0", "1x2x3", "-4x4", "99999x1", "axb"] {
             assert!(resolution(wrong).is_err(), "{wrong}");
+        }
+    }
+
+    #[test]
+    fn amounts_of_memory_have_units() {
+        let sizes = [
+            "8GiB",
+            "1.5 kb",
+            "512MiB",
+            "4096",
+            "7B",
+            "1e3",
+            "99999999TiB",
+        ];
+        let bytes = [8 << 30, 1500, 512 << 20, 4096, 7, 1000, u64::MAX];
+        assert_eq!(sizes.map(memory), bytes.map(Ok));
+        for wrong in [
+            "", "GiB", "0", "-1GiB", "1 bit", "nan", "inf", "8G", "1GiB2",
+        ] {
+            assert!(memory(wrong).is_err(), "{wrong}");
         }
     }
 

@@ -4,6 +4,7 @@ use std::path::Path;
 
 use glam::Vec3;
 
+use super::line::one_line;
 use crate::geometry::tolerance::COORDINATE_LIMIT;
 use crate::scene::{Defect, DefectCause, TriangleMesh};
 
@@ -33,7 +34,7 @@ pub(super) fn drop_broken_triangles(
     }
     if !found.is_empty() {
         mesh.retain_triangles(|t| causes[t as usize].is_none());
-        let element = format!("mesh {:?}", mesh.name);
+        let element = one_line(format!("mesh {:?}", mesh.name));
         defects.extend(found.into_iter().map(|(cause, count, first)| Defect {
             file: file.to_owned(),
             element: element.clone(),

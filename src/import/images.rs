@@ -1,6 +1,6 @@
 //! The images that model files name or carry, decoded.
 
-use crate::picture::{PictureError, read_image};
+use crate::picture::{PictureError, ldr};
 use crate::scene::{Image, Pixels};
 
 /// Squares of the stand-in along each side.
@@ -9,10 +9,16 @@ const STAND_IN_SQUARES: u32 = 8;
 /// Reads an image file's bytes. `name` is the image's name in the scene; its extension helps with formats that have no
 /// mark of their own.
 ///
+/// `charge` is asked for the image's bytes before it is decoded.
+///
 /// # Errors
 /// What is wrong with the file, in one line without its name.
-pub(super) fn decode(name: &str, bytes: &[u8]) -> Result<Image, String> {
-    let image = read_image(name, bytes).map_err(|e| match e {
+pub(super) fn decode(
+    name: &str,
+    bytes: &[u8],
+    charge: impl Fn(u64) -> Result<(), String>,
+) -> Result<Image, String> {
+    let image = ldr::read_image_if(name, bytes, charge).map_err(|e| match e {
         PictureError::Io { source, .. } => source.to_string(),
         PictureError::Unsupported { cause, .. } | PictureError::Invalid { cause, .. } => cause,
     })?;

@@ -4,14 +4,18 @@
 //! the file cannot be read as what it claims to be, needs an extension that is not supported, or holds nothing that can be
 //! rendered.
 
+mod budget;
 mod clean;
 mod gltf;
 mod images;
+mod line;
 mod obj;
 mod smooth;
 
 use std::path::{Path, PathBuf};
 
+use self::budget::{Budget, Refusal};
+use self::line::one_line;
 use crate::scene::Scene;
 
 /// Why a file gave no scene. Each names the file, the element and the cause in one line.
@@ -45,6 +49,16 @@ pub enum ImportError {
         /// What is wrong.
         cause: String,
     },
+    /// Reading the file would take more memory than [`ImportOptions::memory_limit`].
+    #[error("{}: {element}: {cause}", file.display())]
+    Memory {
+        /// The file.
+        file: PathBuf,
+        /// The first element for which there is none left.
+        element: String,
+        /// What it would take, of what, and what to do about it.
+        cause: String,
+    },
 }
 
 impl ImportError {
@@ -62,8 +76,8 @@ impl ImportError {
     ) -> Self {
         Self::Unsupported {
             file: file.to_owned(),
-            element: element.into(),
-            cause: cause.into(),
+            element: one_line(element),
+            cause: one_line(cause),
         }
     }
 
@@ -74,8 +88,8 @@ impl ImportError {
     ) -> Self {
         Self::Invalid {
             file: file.to_owned(),
-            element: element.into(),
-            cause: cause.into(),
+            element: one_line(element),
+            cause: one_line(cause),
         }
     }
 }
@@ -89,6 +103,9 @@ pub struct ImportOptions {
     pub crease_angle: Option<f32>,
     /// The moment of an animation that poses nodes, skins and morph targets (glTF).
     pub moment: Option<Moment>,
+    /// Most memory that reading all the files may take, in bytes, estimated from what they claim before it is allocated. `None`: three
+    /// quarters of the machine's memory, or no limit where that is not known.
+    pub memory_limit: Option<u64>,
 }
 
 /// A moment of an animation.
@@ -136,8 +153,11 @@ pub fn load(files: &[PathBuf]) -> Result<Scene, ImportError> {
 pub fn load_with(files: &[PathBuf], options: &ImportOptions) -> Result<Scene, ImportError> {
     let mut scene = Scene::default();
     let (mut has_animations, mut has_variants) = (false, false);
+    let limit = options.memory_limit.unwrap_or_else(budget::default_limit);
+    let mut used = 0;
     for file in files {
-        let read = load_file(file, options)?;
+        let (read, used_with_it) = load_file(file, options, limit, used)?;
+        used = used_with_it;
         has_animations |= read.has_animations;
         has_variants |= read.has_variants;
         scene.append(read.scene);
@@ -172,7 +192,13 @@ impl From<Scene> for FileRead {
     }
 }
 
-fn load_file(file: &Path, options: &ImportOptions) -> Result<FileRead, ImportError> {
+/// Reads a file within a memory of `limit` bytes, of which `used` are gone. Also gives how many are gone with it.
+fn load_file(
+    file: &Path,
+    options: &ImportOptions,
+    limit: u64,
+    used: u64,
+) -> Result<(FileRead, u64), ImportError> {
     let metadata = std::fs::metadata(file).map_err(|e| ImportError::io(file, e))?;
     if metadata.is_dir() {
         return Err(ImportError::invalid(
@@ -186,23 +212,53 @@ fn load_file(file: &Path, options: &ImportOptions) -> Result<FileRead, ImportErr
         let cause = "is not a regular file: copy what it gives to one";
         return Err(ImportError::invalid(file, "file", cause));
     }
+    let budget = Budget::new(limit, used);
+    let out_of_memory = |Refusal { element, cause }| ImportError::Memory {
+        file: file.to_owned(),
+        element: one_line(element),
+        cause,
+    };
+    let _ = budget.charge(metadata.len(), || "file".to_owned());
+    if let Some(refusal) = budget.refusal() {
+        return Err(out_of_memory(refusal));
+    }
     let bytes = std::fs::read(file).map_err(|e| ImportError::io(file, e))?;
-    let mut read = match format_of(file, &bytes) {
-        Some(Format::Obj) => obj::load(file, &bytes, options)?.into(),
-        Some(Format::Gltf) => {
-            let mut read = gltf::load(file, bytes, options)?;
-            let meshes = &mut read.scene.meshes;
-            meshes
-                .iter_mut()
-                .for_each(|mesh| smooth::smooth(mesh, &[], options.crease_angle));
-            read
+    let used = budget.used();
+    let read = load_bytes(file, &bytes, options, &budget);
+    if let Some(mut refusal) = budget.refusal() {
+        drop(read);
+        // Threads ask for memory in no order; one alone meets the same element always.
+        let alone = Budget::new(limit, used);
+        if let Ok(pool) = rayon::ThreadPoolBuilder::new().num_threads(1).build() {
+            drop(pool.install(|| load_bytes(file, &bytes, options, &alone)));
+            refusal = alone.refusal().unwrap_or(refusal);
         }
+        return Err(out_of_memory(refusal));
+    }
+    let read = read?;
+    check_not_empty(file, &read.scene)?;
+    Ok((read, budget.used()))
+}
+
+fn load_bytes(
+    file: &Path,
+    bytes: &[u8],
+    options: &ImportOptions,
+    budget: &Budget,
+) -> Result<FileRead, ImportError> {
+    let mut read = match format_of(file, bytes) {
+        Some(Format::Obj) => obj::load(file, bytes, options, budget)?.into(),
+        Some(Format::Gltf) => gltf::load(file, bytes, options, budget)?,
         None => {
             let cause = "is no model that bspray reads (OBJ, glTF, GLB)";
             return Err(ImportError::unsupported(file, "file", cause));
         }
     };
-    let scene = &mut read.scene;
+    read.scene.files.insert(0, file.to_owned());
+    Ok(read)
+}
+
+fn check_not_empty(file: &Path, scene: &Scene) -> Result<(), ImportError> {
     if scene.placed_triangles() == 0 {
         let dropped: u64 = scene.defects.iter().map(|d| d.count).sum();
         let cause = match scene.defects.first() {
@@ -220,8 +276,7 @@ fn load_file(file: &Path, options: &ImportOptions) -> Result<FileRead, ImportErr
         };
         return Err(ImportError::invalid(file, "scene", cause));
     }
-    scene.files.insert(0, file.to_owned());
-    Ok(read)
+    Ok(())
 }
 
 fn format_of(file: &Path, bytes: &[u8]) -> Option<Format> {

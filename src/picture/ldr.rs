@@ -21,7 +21,8 @@ use image::codecs::jpeg::JpegEncoder;
 use image::codecs::png::{CompressionType, FilterType, PngEncoder};
 use image::error::LimitErrorKind;
 use image::{
-    DynamicImage, ExtendedColorType, ImageEncoder, ImageError, ImageFormat, ImageReader, Limits,
+    ColorType, DynamicImage, ExtendedColorType, ImageDecoder, ImageEncoder, ImageError,
+    ImageFormat, ImageReader, Limits,
 };
 
 use super::error::panic_message;
@@ -36,6 +37,9 @@ const MAX_PIXEL_BYTES: u64 = 2 << 30;
 
 /// Memory beside the pixels that a decoder may ask for.
 const DECODER_BYTES: u64 = 256 << 20;
+
+/// Most bytes that deflate packs into one (RFC 1951: 258 bytes in two bits).
+const DEFLATE_GROWTH: u64 = 1032;
 
 /// JPEG quality. The encoder never subsamples colour (4:4:4).
 const JPEG_QUALITY: u8 = 95;
@@ -128,6 +132,19 @@ fn encode(path: &Path, format: LdrFormat, raster: &Raster) -> Result<Vec<u8>, Pi
 /// # Errors
 /// `Unsupported` for another format and for images beyond [`MAX_SIDE`] or 2 GiB of pixels, `Invalid` for broken ones.
 pub fn read_image(name: &str, bytes: &[u8]) -> Result<Image, PictureError> {
+    read_image_if(name, bytes, |_| Ok(()))
+}
+
+/// Decodes an image of a model as [`read_image`] does, if `charge` agrees to the memory that it takes, in bytes. It is asked once
+/// the size of the image is known, and before anything is allocated for its pixels.
+///
+/// # Errors
+/// As [`read_image`], and `Unsupported` with what `charge` says.
+pub fn read_image_if(
+    name: &str,
+    bytes: &[u8],
+    charge: impl Fn(u64) -> Result<(), String>,
+) -> Result<Image, PictureError> {
     let path = Path::new(name);
     let by_extension = match extension(path).as_str() {
         "tga" => Some(ImageFormat::Tga),
@@ -142,9 +159,17 @@ pub fn read_image(name: &str, bytes: &[u8]) -> Result<Image, PictureError> {
         };
         return Err(PictureError::unsupported(path, cause));
     };
-    let decoded = catch_unwind(AssertUnwindSafe(|| decode(bytes, format)))
-        .map_err(|panic| PictureError::invalid(path, panic_message(panic.as_ref())))?
-        .map_err(|error| at(path, error))?;
+    let read = || match decoder(bytes, format) {
+        Ok(decoder) => {
+            let charged = charge(memory_of(&decoder));
+            charged.map_err(|cause| PictureError::unsupported(path, cause))?;
+            check_claim(&decoder, bytes, format).map_err(|c| PictureError::invalid(path, c))?;
+            DynamicImage::from_decoder(decoder).map_err(|error| at(path, error))
+        }
+        Err(error) => Err(at(path, error)),
+    };
+    let decoded = catch_unwind(AssertUnwindSafe(read))
+        .map_err(|panic| PictureError::invalid(path, panic_message(panic.as_ref())))??;
     let (width, height) = (decoded.width(), decoded.height());
     if width == 0 || height == 0 {
         return Err(PictureError::invalid(path, "has no pixels"));
@@ -157,14 +182,51 @@ pub fn read_image(name: &str, bytes: &[u8]) -> Result<Image, PictureError> {
     })
 }
 
-fn decode(bytes: &[u8], format: ImageFormat) -> Result<DynamicImage, ImageError> {
+/// Bytes that an image takes while it is decoded: its own pixels, then those with four channels twice.
+fn memory_of(decoder: &impl ImageDecoder) -> u64 {
+    let (width, height) = decoder.dimensions();
+    let bytes_of_channel = match decoder.color_type() {
+        ColorType::L8 | ColorType::La8 | ColorType::Rgb8 | ColorType::Rgba8 => 1,
+        ColorType::Rgb32F | ColorType::Rgba32F => 4,
+        _ => 2,
+    };
+    let pixels = u64::from(width) * u64::from(height);
+    decoder
+        .total_bytes()
+        .saturating_add(pixels.saturating_mul(8 * bytes_of_channel))
+}
+
+/// Refuses a PNG with fewer bytes than its pixels can be packed into, of which a decoder would find out at the end.
+fn check_claim(
+    decoder: &impl ImageDecoder,
+    bytes: &[u8],
+    format: ImageFormat,
+) -> Result<(), String> {
+    let least = match format {
+        // Palettes have 8 pixels a byte and are spread to 3 or 4 bytes each.
+        ImageFormat::Png => decoder.total_bytes() / 32 / DEFLATE_GROWTH,
+        _ => 0,
+    };
+    let (width, height) = decoder.dimensions();
+    match bytes.len() as u64 {
+        found if found < least => Err(format!(
+            "claims {width} x {height} pixels, for which its {found} bytes are too few"
+        )),
+        _ => Ok(()),
+    }
+}
+
+fn decoder(bytes: &[u8], format: ImageFormat) -> Result<impl ImageDecoder, ImageError> {
     let mut limits = Limits::default();
     limits.max_image_width = Some(MAX_SIDE);
     limits.max_image_height = Some(MAX_SIDE);
     limits.max_alloc = Some(MAX_PIXEL_BYTES + DECODER_BYTES);
     let mut reader = ImageReader::with_format(Cursor::new(bytes), format);
-    reader.limits(limits);
-    reader.decode()
+    reader.limits(limits.clone());
+    let mut decoder = reader.into_decoder()?;
+    limits.reserve(decoder.total_bytes())?;
+    decoder.set_limits(limits)?;
+    Ok(decoder)
 }
 
 fn at(path: &Path, error: ImageError) -> PictureError {

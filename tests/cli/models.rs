@@ -65,3 +65,92 @@ fn a_moment_poses_what_is_rendered() {
         "{ran:?}"
     );
 }
+
+#[test]
+fn models_beyond_the_memory_limit_are_one_line() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let objects = model("lecture-objects.gltf");
+    for command in ["render", "inspect", "compare", "ladder"] {
+        let ran = bspray(
+            folder.path(),
+            &[command, &objects, "--memory-limit", "10KiB"],
+        );
+        assert_eq!(ran.code, Some(1), "{command}: {ran:?}");
+        assert_eq!(ran.stderr.lines().count(), 1, "{command}: {ran:?}");
+        assert!(
+            ran.stderr
+                .contains("lecture-objects.gltf: file: would take"),
+            "{ran:?}"
+        );
+        assert!(
+            ran.stderr.contains("--memory-limit raises the limit"),
+            "{ran:?}"
+        );
+    }
+    let ran = bspray(
+        folder.path(),
+        &["inspect", &objects, "--memory-limit", "1GiB"],
+    );
+    assert_eq!(ran.code, Some(0), "{ran:?}");
+    let ran = bspray(
+        folder.path(),
+        &["inspect", &objects, "--memory-limit", "much"],
+    );
+    assert_eq!(ran.code, Some(2), "{ran:?}");
+}
+
+/// The program in an address space of 2 GiB: an allocation beyond ends it.
+#[cfg(target_os = "linux")]
+#[test]
+fn what_is_charged_is_what_is_allocated() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let write = |name: &str, text: &str| {
+        std::fs::write(folder.path().join(name), text).expect("written");
+    };
+    let json = |nodes: &str, scene: &str, rest: &str| {
+        format!(
+            r#"{{"asset":{{"version":"2.0"}},"scenes":[{{"nodes":[{scene}0]}}],"nodes":[{nodes}],
+            "meshes":[{{"primitives":[{{"attributes":{{"POSITION":0}}}}]}}],{rest}
+            "accessors":[{{"componentType":5126,"count":1048576,"type":"VEC3"}}]}}"#
+        )
+    };
+    let instances =
+        r#"{"mesh":0,"extensions":{"EXT_mesh_gpu_instancing":{"attributes":{"TRANSLATION":0}}}}"#;
+    write("instances.gltf", &json(instances, "", ""));
+    let skinned = r#"{"mesh":0,"skin":0},"#.repeat(99) + r#"{"mesh":0,"skin":0}"#;
+    let scene: String = (1..100).map(|n| format!("{n},")).collect();
+    write(
+        "skins.gltf",
+        &json(&skinned, &scene, r#""skins":[{"joints":[0]}],"#),
+    );
+    let corners = "v 0 0 0\nv 1 0 0\nv 0 1 0\n";
+    write(
+        "objects.obj",
+        &format!("{corners}{}", "o\nf 1 2 3\n".repeat(1 << 20)),
+    );
+    write(
+        "corners.obj",
+        &format!("{corners}f {}\n", "1 2 3 ".repeat(4 << 20)),
+    );
+    for name in ["instances.gltf", "skins.gltf", "objects.obj", "corners.obj"] {
+        let program = assert_cmd::cargo::cargo_bin!("bspray");
+        let output = std::process::Command::new("sh")
+            .current_dir(folder.path())
+            .env("MALLOC_ARENA_MAX", "2")
+            .env("RAYON_NUM_THREADS", "2")
+            .args([
+                "-c",
+                r#"ulimit -v 2097152; exec "$0" inspect "$1" --memory-limit 256MiB"#,
+            ])
+            .arg(program)
+            .arg(name)
+            .output()
+            .expect("the program starts");
+        let stderr = String::from_utf8(output.stderr).expect("UTF-8");
+        assert_eq!(output.status.code(), Some(1), "{name}: {stderr}");
+        assert!(
+            stderr.contains("--memory-limit raises the limit"),
+            "{name}: {stderr}"
+        );
+    }
+}

@@ -42,9 +42,41 @@ struct Elements<'a> {
 
 #[derive(Debug)]
 struct Sparse<'a> {
-    /// The elements that the values replace, all below the accessor's count.
-    indices: Vec<u32>,
+    indices: &'a SparseIndices,
     values: Elements<'a>,
+}
+
+/// The elements that the values of a sparse accessor replace, all below its count, ascending, with the places of these values.
+///
+/// They are read once, since any number of primitives may name the accessor.
+#[derive(Debug)]
+pub(super) struct SparseIndices(Vec<(u32, u32)>);
+
+impl SparseIndices {
+    /// Of several values for one element the last one counts.
+    fn new(indices: &[u32]) -> Self {
+        let mut pairs: Vec<(u32, u32)> = indices.iter().copied().zip(0..).collect();
+        pairs.sort_unstable_by_key(|&(element, place)| (element, std::cmp::Reverse(place)));
+        pairs.dedup_by_key(|(element, _)| *element);
+        Self(pairs)
+    }
+
+    /// Calls `visit` with the places in `wanted`, which ascend, of elements that are replaced, and the places of their values.
+    fn of(&self, wanted: &[u32], mut visit: impl FnMut(usize, usize)) {
+        if wanted.len() < self.0.len() {
+            for (at, element) in wanted.iter().enumerate() {
+                if let Ok(found) = self.0.binary_search_by_key(element, |(e, _)| *e) {
+                    visit(at, self.0[found].1 as usize);
+                }
+            }
+        } else {
+            for &(element, place) in &self.0 {
+                if let Ok(at) = wanted.binary_search(&element) {
+                    visit(at, place as usize);
+                }
+            }
+        }
+    }
 }
 
 impl<'a> Accessor<'a> {
@@ -101,10 +133,18 @@ impl<'a> Accessor<'a> {
                     sparse.values.byte_offset.0,
                 );
                 let values = elements(document, view, offset, replaced, size).map_err(in_sparse)?;
-                let indices = integers(indices, index_component.0, replaced);
-                if let Some(wrong) = indices.iter().find(|&&i| i as usize >= count) {
-                    return Err(in_sparse(format!("replaces element {wrong} of {count}")));
-                }
+                let read = || {
+                    let element = || format!("accessor {index}: sparse");
+                    let pair = size_of::<(u32, u32)>() + size_of::<u32>();
+                    document.budget.charge_many(replaced, pair, element)?;
+                    let indices = integers(indices, index_component.0, replaced);
+                    match indices.iter().find(|&&i| i as usize >= count) {
+                        Some(wrong) => Err(format!("replaces element {wrong} of {count}")),
+                        None => Ok(SparseIndices::new(&indices)),
+                    }
+                };
+                let indices = document.sparse[index].get_or_init(read).as_ref();
+                let indices = indices.map_err(|cause| in_sparse(cause.clone()))?;
                 Some(Sparse { indices, values })
             }
         };
@@ -180,9 +220,11 @@ impl<'a> Accessor<'a> {
             None => vec![0; self.count],
         };
         if let Some(sparse) = &self.sparse {
-            let values = integers(sparse.values, self.component, sparse.indices.len());
-            for (&at, value) in sparse.indices.iter().zip(values) {
-                indices[at as usize] = value;
+            let pairs = &sparse.indices.0;
+            let most = pairs.iter().map(|(_, place)| *place as usize + 1).max();
+            let values = integers(sparse.values, self.component, most.unwrap_or(0));
+            for &(element, place) in pairs {
+                indices[element as usize] = values[place as usize];
             }
         }
         Ok(indices)
@@ -258,12 +300,10 @@ impl<'a> Accessor<'a> {
                 .collect(),
         };
         if let Some(sparse) = &self.sparse {
-            for (k, at) in sparse.indices.iter().enumerate() {
-                if let Ok(place) = wanted.binary_search(at) {
-                    let start = k * sparse.values.stride;
-                    values[place] = element(&sparse.values.bytes[start..start + size]);
-                }
-            }
+            sparse.indices.of(wanted, |at, place| {
+                let start = place * sparse.values.stride;
+                values[at] = element(&sparse.values.bytes[start..start + size]);
+            });
         }
         values
     }

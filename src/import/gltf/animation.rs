@@ -1,5 +1,8 @@
 //! Animations: what a moment of one makes of the nodes. glTF 2.0 specification, section 3.11.
 
+use std::collections::HashMap;
+use std::collections::hash_map::Entry;
+
 use serde::Deserialize;
 use serde_json::Value;
 
@@ -10,6 +13,9 @@ use super::nodes::local_transform;
 use super::notes::Notes;
 use super::sampler::{Between, Interpolation, between, mix, mix_rotations};
 use crate::import::{ImportError, Moment};
+
+/// Bytes of a value of a keyframe: its index, the element and its numbers in both precisions.
+const KEYFRAME_VALUE_BYTES: usize = 64;
 
 /// Names of animations in a message.
 const SHOWN_NAMES: usize = 12;
@@ -77,13 +83,23 @@ pub(super) fn pose(
         .and_then(|()| serde_json::from_value(json).map_err(|e| e.to_string()))
         .map_err(|cause| document.invalid(&element, cause))?;
     let mut end = f64::NEG_INFINITY;
+    let mut known_times = HashMap::new();
     for (i, channel) in clip.channels.iter().enumerate() {
         let element = format!("{element}, channel {i}");
         let Some(node) = channel.target.node else {
             notes.add(element, "left out: it moves no node");
             continue;
         };
-        let change = read_channel(document, &clip, channel, node, moment.seconds, &mut end);
+        let seconds = moment.seconds;
+        let change = read_channel(
+            document,
+            &clip,
+            channel,
+            node,
+            seconds,
+            &mut known_times,
+            &mut end,
+        );
         match change.map_err(|cause| document.invalid(&element, cause))? {
             Some(change) => apply(&mut document.poses[node], change),
             None => notes.add(element, "left out: nothing that it moves is known"),
@@ -116,13 +132,14 @@ fn names(document: &Document) -> String {
 }
 
 /// What a channel makes of its node, `None` where its path is unknown. `end` becomes the time of its last keyframe if that is
-/// later.
+/// later. `known_times` keeps the times of samplers, which share them.
 fn read_channel(
     document: &Document,
     clip: &Clip,
     channel: &Channel,
     node: usize,
     seconds: f64,
+    known_times: &mut HashMap<usize, Vec<f32>>,
     end: &mut f64,
 ) -> Result<Option<Change>, String> {
     let count = document.root.nodes.len();
@@ -145,8 +162,8 @@ fn read_channel(
     let Some(interpolation) = Interpolation::of(json.interpolation.as_deref()) else {
         return Err(in_sampler("its interpolation is unknown".to_owned()));
     };
-    let times = times(document, json.input).map_err(in_sampler)?;
-    let place = between(&times, seconds);
+    let times = times(document, json.input, known_times).map_err(in_sampler)?;
+    let place = between(times, seconds);
     *end = end.max(times.last().map_or(*end, |&t| f64::from(t)));
     let values = Accessor::open(document, json.output)
         .and_then(|a| a.with_width(width..=width))
@@ -161,7 +178,9 @@ fn read_channel(
         interpolation,
         count: times.len(),
     };
-    let [first, second] = keyframes.around(place).map_err(in_sampler)?;
+    let element = || format!("animation, sampler {index}");
+    let around = keyframes.around(document, place, element);
+    let [first, second] = around.map_err(in_sampler)?;
     let mixed = || mix(interpolation, place, &first, &second);
     let three = |v: Vec<f64>| [v[0], v[1], v[2]];
     let change = match channel.target.path.as_str() {
@@ -177,15 +196,28 @@ fn read_channel(
 }
 
 /// The times of keyframes: at least one, ascending.
-fn times(document: &Document, accessor: usize) -> Result<Vec<f32>, String> {
-    let accessor = Accessor::open(document, accessor)?.with_width(1..=1)?;
+fn times<'k>(
+    document: &Document,
+    index: usize,
+    known: &'k mut HashMap<usize, Vec<f32>>,
+) -> Result<&'k [f32], String> {
+    let known = match known.entry(index) {
+        Entry::Occupied(times) => return Ok(times.into_mut()),
+        Entry::Vacant(place) => place,
+    };
+    let accessor = Accessor::open(document, index)?.with_width(1..=1)?;
+    let element = || format!("accessor {index}");
+    let bytes = size_of::<f32>() + size_of::<u32>();
+    document
+        .budget
+        .charge_many(accessor.count, bytes, element)?;
     let wanted: Vec<u32> = (0..accessor.count as u32).collect();
     let times = accessor.read(&wanted, [0.0]).into_flattened();
     let ascend = times.is_sorted_by(|a, b| a <= b) && times.iter().all(|t| t.is_finite());
     match (times.is_empty(), ascend) {
         (true, _) => Err("has no keyframes".to_owned()),
         (_, false) => Err("the times of its keyframes do not ascend".to_owned()),
-        _ => Ok(times),
+        _ => Ok(known.insert(times)),
     }
 }
 
@@ -197,7 +229,12 @@ struct Keyframes<'a> {
 
 impl Keyframes<'_> {
     /// The rows of the two keyframes of `place`.
-    fn around(&self, place: Between) -> Result<[Vec<Vec<f64>>; 2], String> {
+    fn around(
+        &self,
+        document: &Document,
+        place: Between,
+        element: impl FnOnce() -> String,
+    ) -> Result<[Vec<Vec<f64>>; 2], String> {
         let rows = self.count * self.interpolation.rows();
         // One element a row, but for weights, which have one for each morph target.
         let row = match self.values.width() {
@@ -208,6 +245,8 @@ impl Keyframes<'_> {
             let found = self.values.count;
             return Err(format!("has {found} values for {rows} rows of keyframes"));
         }
+        let bytes = 2 * self.interpolation.rows() * KEYFRAME_VALUE_BYTES;
+        document.budget.charge_many(row, bytes, element)?;
         Ok([place.first, place.second].map(|keyframe| self.keyframe(keyframe, row)))
     }
 

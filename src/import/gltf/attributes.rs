@@ -15,7 +15,7 @@ const MAX_UV_SETS: u32 = 8;
 const MAX_JOINT_SETS: u32 = 8;
 
 /// The accessors of a primitive's vertices.
-#[derive(Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub(super) struct Attributes {
     pub(super) position: usize,
     pub(super) normal: Option<usize>,
@@ -29,7 +29,7 @@ pub(super) struct Attributes {
 }
 
 /// A morph target: the accessors of its displacements.
-#[derive(Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub(super) struct Morph {
     /// Its place among the primitive's targets.
     pub(super) target: usize,

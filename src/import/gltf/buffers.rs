@@ -6,7 +6,8 @@ use std::sync::OnceLock;
 
 use ::gltf::json::Root;
 
-use super::uri::{self, Files, Target};
+use super::uri::{self, Files};
+use crate::import::budget::Budget;
 
 /// The bytes of a file's buffers, or why they could not be had.
 pub(super) struct Buffers<'a> {
@@ -25,24 +26,36 @@ impl<'a> Buffers<'a> {
     }
 
     /// The bytes of buffer `index`, as many as its `byteLength` says.
-    pub(super) fn get(&self, root: &Root, files: &Files, index: usize) -> Result<&[u8], String> {
+    pub(super) fn get(
+        &self,
+        root: &Root,
+        files: &Files,
+        budget: &Budget,
+        index: usize,
+    ) -> Result<&[u8], String> {
         let Some(slot) = self.slots.get(index) else {
             let count = self.slots.len();
             return Err(format!("buffer {index} is not there: the file has {count}"));
         };
-        slot.get_or_init(|| self.read(root, files, index))
+        slot.get_or_init(|| self.read(root, files, budget, index))
             .as_deref()
             .map_err(|cause| format!("buffer {index}: {cause}"))
     }
 
-    fn read(&self, root: &Root, files: &Files, index: usize) -> Result<Cow<'a, [u8]>, String> {
+    fn read(
+        &self,
+        root: &Root,
+        files: &Files,
+        budget: &Budget,
+        index: usize,
+    ) -> Result<Cow<'a, [u8]>, String> {
         let buffer = &root.buffers[index];
         let claimed = buffer.byte_length.0;
         let bytes = match (&buffer.uri, self.binary) {
-            (Some(uri), _) => match uri::resolve(self.file, uri)? {
-                Target::Data(bytes) => Cow::Owned(bytes),
-                Target::Files(paths) => Cow::Owned(files.read_first(&paths, claimed)?),
-            },
+            (Some(uri), _) => {
+                let charge = |bytes| budget.charge(bytes, || format!("buffer {index}"));
+                Cow::Owned(uri::read(self.file, uri, files, claimed, charge)?)
+            }
             (None, Some(binary)) if index == 0 => Cow::Borrowed(binary),
             (None, _)
                 if buffer

@@ -12,12 +12,20 @@ use ::gltf::json::{Root, accessor, buffer};
 use serde::Deserialize;
 use serde_json::Value;
 
+use super::accessor::SparseIndices;
 use super::buffers::Buffers;
 use super::container::Container;
 use super::mend::{has_large_integer, mended};
 use super::meshopt_views;
 use super::uri::Files;
 use crate::import::ImportError;
+use crate::import::budget::Budget;
+
+/// Bytes that a `{` of the JSON becomes at most, with the largest of the structs it is read into and the node of a map.
+const OBJECT_BYTES: usize = 1024;
+
+/// Bytes that an item of an array or object becomes at most.
+const ITEM_BYTES: usize = 64;
 
 /// A file's JSON with its buffers.
 pub(super) struct Document<'a> {
@@ -29,6 +37,10 @@ pub(super) struct Document<'a> {
     pub(super) buffers: Buffers<'a>,
     /// Buffer views that were compressed.
     unpacked: Vec<OnceLock<Result<Vec<u8>, String>>>,
+    /// The sparse elements of accessors.
+    pub(super) sparse: Vec<OnceLock<Result<SparseIndices, String>>>,
+    /// What all that is read takes its memory from.
+    pub(super) budget: &'a Budget,
     /// The files beside it that were read.
     pub(super) files: Files,
 }
@@ -83,8 +95,17 @@ struct Moving {
 }
 
 impl<'a> Document<'a> {
-    pub(super) fn read(file: &'a Path, container: &Container<'a>) -> Result<Self, ImportError> {
+    pub(super) fn read(
+        file: &'a Path,
+        container: &Container<'a>,
+        budget: &'a Budget,
+    ) -> Result<Self, ImportError> {
         let json = container.json;
+        let count = |mark: u8| json.iter().filter(|&&b| b == mark).count();
+        let bytes = [(b'{', OBJECT_BYTES), (b'[', ITEM_BYTES), (b',', ITEM_BYTES)];
+        let bytes: usize = bytes.map(|(mark, bytes)| count(mark) * bytes).iter().sum();
+        let charged = budget.charge(bytes as u64, || "JSON".to_owned());
+        charged.map_err(|cause| ImportError::invalid(file, "JSON", cause))?;
         let wrong = |e: &dyn std::fmt::Display| ImportError::invalid(file, "JSON", e.to_string());
         check_version(file, serde_json::from_slice(json).map_err(|e| wrong(&e))?)?;
         let strict: Result<Root, _> = serde_json::from_slice(json);
@@ -108,6 +129,7 @@ impl<'a> Document<'a> {
         };
         let buffers = Buffers::new(file, &root, container.binary);
         let unpacked = root.buffer_views.iter().map(|_| OnceLock::new()).collect();
+        let sparse = root.accessors.iter().map(|_| OnceLock::new()).collect();
         Ok(Self {
             file,
             root,
@@ -115,6 +137,8 @@ impl<'a> Document<'a> {
             animations,
             buffers,
             unpacked,
+            sparse,
+            budget,
             files: Files::default(),
         })
     }
@@ -162,7 +186,7 @@ impl<'a> Document<'a> {
         let named = |cause: String| format!("buffer view {index} {cause}");
         if let Some((name, extension)) = meshopt_views::extension(view) {
             let decoded =
-                self.unpacked[index].get_or_init(|| meshopt_views::decode(self, extension));
+                self.unpacked[index].get_or_init(|| meshopt_views::decode(self, index, extension));
             let bytes = decoded
                 .as_deref()
                 .map_err(|cause| named(format!("({name}): {cause}")))?;
@@ -187,7 +211,9 @@ impl<'a> Document<'a> {
         offset: u64,
         length: u64,
     ) -> Result<&[u8], String> {
-        let bytes = self.buffers.get(&self.root, &self.files, buffer);
+        let bytes = self
+            .buffers
+            .get(&self.root, &self.files, self.budget, buffer);
         let bytes = bytes.map_err(|cause| format!("cannot be had: {cause}"))?;
         let end = offset.saturating_add(length);
         // A range that does not fit in usize is no part of a slice either.
@@ -238,7 +264,7 @@ mod tests {
             json: json.as_bytes(),
             binary: None,
         };
-        Document::read(Path::new("a.gltf"), &container)
+        Document::read(Path::new("a.gltf"), &container, &Budget::new(u64::MAX, 0))
             .map(|d| d.root)
             .map_err(|e| e.to_string())
     }

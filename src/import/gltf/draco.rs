@@ -19,6 +19,15 @@ const NAME: &str = "KHR_draco_mesh_compression";
 /// largest primitives that were seen have a tenth of this.
 const MOST_ELEMENTS: u64 = 1 << 27;
 
+/// Points and faces that a primitive may have though its accessors claim fewer. The format wants the same numbers, but other readers do not look.
+const UNCLAIMED_ELEMENTS: u64 = 1 << 20;
+
+/// Bytes of a point beside its attributes, and of a face: their indices here and in the decoder's tables.
+const ELEMENT_BYTES: u64 = 160;
+
+/// Bytes of a value at most, with what it is made from.
+const VALUE_BYTES: u64 = 32;
+
 /// Most bytes of the attributes of one primitive: 4 GiB.
 const MOST_BYTES: u64 = 1 << 32;
 
@@ -54,25 +63,54 @@ pub(super) fn extension<'a>(document: &Document, json: &'a Primitive) -> Option<
 }
 
 /// What a primitive with `extension` holds.
-pub(super) fn unpack(document: &Document, extension: Extension) -> Result<Unpacked, String> {
+pub(super) fn unpack(
+    document: &Document,
+    json: &Primitive,
+    element: &str,
+    extension: Extension,
+) -> Result<Unpacked, String> {
     let named = |cause: String| format!("{NAME}: {cause}");
     let view = extension.index("bufferView");
     let view = view.ok_or_else(|| named("has no bufferView".to_owned()))?;
     let (bytes, _) = document.view(view).map_err(named)?;
     let names = extension.object("attributes");
     let names: Vec<(&String, usize)> = names.map(|a| a.indices().collect()).unwrap_or_default();
-    let read = || decode(bytes, &names);
+    let claimed = claimed_elements(document, json);
+    let charge = |elements: u64| {
+        let bytes = ELEMENT_BYTES + VALUE_BYTES * names.len() as u64;
+        let bytes = elements.saturating_mul(bytes);
+        document.budget.charge(bytes, || element.to_owned())
+    };
+    charge(claimed.min(MOST_ELEMENTS))?;
+    let most = claimed.clamp(UNCLAIMED_ELEMENTS, MOST_ELEMENTS);
+    let read = || decode(bytes, &names, most);
     // The decoder is made for broken data, but large, and was seen by few.
     let decoded = catch_unwind(AssertUnwindSafe(read));
-    decoded
+    let unpacked = decoded
         .unwrap_or_else(|_| Err("the decoder failed on this data".to_owned()))
-        .map_err(named)
+        .map_err(named)?;
+    let found = unpacked.vertex_count.max(unpacked.indices.len() / 3);
+    charge((found as u64).saturating_sub(claimed))?;
+    Ok(unpacked)
 }
 
-fn decode(bytes: &[u8], names: &[(&String, usize)]) -> Result<Unpacked, String> {
+/// The larger of the numbers of points and of faces that a primitive's accessors claim.
+fn claimed_elements(document: &Document, json: &Primitive) -> u64 {
+    let count = |accessor: usize| {
+        let accessor = document.root.accessors.get(accessor);
+        accessor.map_or(0, |a| a.count.0)
+    };
+    let positions = json.attributes.get(&Checked::Valid(Semantic::Positions));
+    let points = positions.map_or(0, |a| count(a.value()));
+    let faces = json.indices.map_or(0, |a| count(a.value()) / 3);
+    points.max(faces)
+}
+
+/// Decodes a stream of at most `most` points and as many faces.
+fn decode(bytes: &[u8], names: &[(&String, usize)], most: u64) -> Result<Unpacked, String> {
     let limits = DecodeLimits::default()
-        .with_max_points(MOST_ELEMENTS)
-        .with_max_faces(MOST_ELEMENTS)
+        .with_max_points(most)
+        .with_max_faces(most)
         .with_max_decoded_bytes(MOST_BYTES);
     let mut buffer = DecoderBuffer::new(bytes).with_limits(limits);
     let mut mesh = Mesh::new();

@@ -52,6 +52,7 @@ pub(super) fn placements(
         let cause = format!("places {count} instances; at most {MOST_INSTANCES} are read");
         return Err(document.invalid(element(), cause));
     }
+    super::charge_instances(document, node, count)?;
     // Fits: the count of an accessor has 32 bits.
     let wanted: Vec<u32> = (0..count as u32).collect();
     let translations = translations.map(|a| a.read(&wanted, [0.0_f32; 3]));

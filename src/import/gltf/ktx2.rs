@@ -15,6 +15,9 @@ const MARK: &[u8] = b"\xABKTX 20\xBB\r\n\x1A\n";
 /// Most pixels of an image: 2^28, a gigabyte of them. Images of one colour take almost no room, so the file's size bounds nothing.
 const MOST_PIXELS: u64 = 1 << 28;
 
+/// Bytes of a pixel while it is decoded: as data, as the transcoder gives it, and in the image.
+const PIXEL_BYTES: u64 = 10;
+
 /// Bytes before the list of levels.
 const HEADER_LENGTH: usize = 80;
 
@@ -31,9 +34,17 @@ pub(super) fn is_ktx2(bytes: &[u8]) -> bool {
 
 /// The largest level of an image.
 ///
+/// `charge` is asked for its bytes before.
+///
 /// # Errors
 /// What is wrong with the file, in one line without its name.
-pub(super) fn decode(name: &str, bytes: &[u8]) -> Result<Image, String> {
+pub(super) fn decode(
+    name: &str,
+    bytes: &[u8],
+    charge: impl Fn(u64) -> Result<(), String>,
+) -> Result<Image, String> {
+    let pixels = check_header(bytes)?;
+    charge(pixels * PIXEL_BYTES)?;
     // The transcoder is young, and made for speed.
     catch_unwind(AssertUnwindSafe(|| read(name, bytes)))
         .unwrap_or_else(|_| Err("the transcoder failed on this data".to_owned()))
@@ -48,7 +59,6 @@ fn read(name: &str, bytes: &[u8]) -> Result<Image, String> {
         }
         error => format!("{error:?}"),
     };
-    check_header(bytes)?;
     let transcoder = Transcoder::new(bytes).map_err(wrong)?;
     let (width, height) = transcoder.base_dimensions();
     let pixels = u64::from(width) * u64::from(height);
@@ -65,8 +75,8 @@ fn read(name: &str, bytes: &[u8]) -> Result<Image, String> {
     })
 }
 
-/// Refuses what glTF does not allow, and levels larger than the picture.
-fn check_header(bytes: &[u8]) -> Result<(), String> {
+/// Refuses what glTF does not allow, and levels larger than the picture. Gives the number of pixels.
+fn check_header(bytes: &[u8]) -> Result<u64, String> {
     let word = |at: usize| {
         let word = bytes.get(at..)?.first_chunk::<4>()?;
         Some(u64::from(u32::from_le_bytes(*word)))
@@ -102,7 +112,7 @@ fn check_header(bytes: &[u8]) -> Result<(), String> {
             ));
         }
     }
-    Ok(())
+    Ok(pixels)
 }
 
 #[cfg(test)]
@@ -115,9 +125,12 @@ mod tests {
         let mut file = MARK.to_vec();
         for length in [12, 40, 80, 400] {
             file.resize(length, 0);
-            assert!(decode("a.ktx2", &file).is_err(), "{length}");
+            assert!(decode("a.ktx2", &file, |_| Ok(())).is_err(), "{length}");
             file[12..].fill(0xFF);
-            assert!(decode("a.ktx2", &file).is_err(), "{length} of ones");
+            assert!(
+                decode("a.ktx2", &file, |_| Ok(())).is_err(),
+                "{length} of ones"
+            );
         }
     }
 
@@ -130,7 +143,7 @@ mod tests {
             file[at] = value;
         }
         file[96] = 64;
-        assert_eq!(check_header(&file), Ok(()));
+        assert_eq!(check_header(&file), Ok(40));
         file[96] = 65;
         let error = check_header(&file).expect_err("too large");
         assert_eq!(

@@ -4,6 +4,7 @@
 //! the vertices of many primitives, and of many meshes, in one accessor.
 
 use std::borrow::Cow;
+use std::collections::HashMap;
 use std::ops::Range;
 
 use ::gltf::json::mesh::{Mode, Primitive};
@@ -49,13 +50,17 @@ pub(super) fn read(
             ..TriangleMesh::default()
         },
         groups: Vec::new(),
+        group_of: HashMap::new(),
     };
+    let name_bytes = size_of::<TriangleMesh>() + 2 * reader.mesh.name.len();
+    let charged = document.budget.charge(name_bytes as u64, || label.clone());
+    charged.map_err(|cause| document.invalid(&label, cause))?;
     for (i, primitive) in json.primitives.iter().enumerate() {
         reader.read_triangles(i, primitive, default_material)?;
     }
     for group in std::mem::take(&mut reader.groups) {
         let primitive = group.first_primitive;
-        vertices::read(document, &group, &shape.pose, &mut reader.mesh)
+        vertices::read(document, &label, &group, &shape.pose, &mut reader.mesh)
             .map_err(|cause| document.invalid(format!("{label}, primitive {primitive}"), cause))?;
     }
     let Reader {
@@ -78,7 +83,12 @@ struct Reader<'a, 'file> {
     notes: Notes,
     mesh: TriangleMesh,
     groups: Vec<Group>,
+    /// The group of primitives with these attributes that are not compressed.
+    group_of: HashMap<Attributes, usize>,
 }
+
+/// Bytes of an index: itself, and the triangle of which it is the last in a strip.
+const INDEX_BYTES: usize = size_of::<u32>() + size_of::<[u32; 3]>();
 
 impl Reader<'_, '_> {
     /// Adds the triangles of a primitive to its group.
@@ -103,7 +113,9 @@ impl Reader<'_, '_> {
             return Ok(());
         };
         let unpacked = match draco::extension(document, json) {
-            Some(extension) => Some(draco::unpack(document, extension).map_err(invalid)?),
+            Some(extension) => {
+                Some(draco::unpack(document, json, &element, extension).map_err(invalid)?)
+            }
             None => None,
         };
         let (mode, vertex_count, indices) = match &unpacked {
@@ -111,7 +123,8 @@ impl Reader<'_, '_> {
             Some(u) => (Mode::Triangles, u.vertex_count, Cow::Borrowed(&u.indices)),
             None => {
                 let positions = Accessor::open(document, attributes.position).map_err(invalid)?;
-                let indices = self.indices(json, positions.count).map_err(invalid)?;
+                let indices = self.indices(json, &element, positions.count);
+                let indices = indices.map_err(invalid)?;
                 (mode, positions.count, Cow::Owned(indices))
             }
         };
@@ -137,28 +150,43 @@ impl Reader<'_, '_> {
         }
         let run = self.add_part(triangles, material).map_err(invalid)?;
         let is_plain = unpacked.is_none();
-        let shares =
-            |g: &&mut Group| is_plain && g.unpacked.is_none() && g.attributes == attributes;
-        match self.groups.iter_mut().find(shares) {
-            Some(group) => group.runs.push(run),
-            None => self.groups.push(Group {
-                attributes,
-                vertex_count,
-                unpacked,
-                first_primitive: index,
-                runs: vec![run],
-            }),
+        let known = self.group_of.get(&attributes).filter(|_| is_plain);
+        if let Some(&group) = known {
+            self.groups[group].runs.push(run);
+            return Ok(());
         }
+        if is_plain {
+            self.group_of.insert(attributes.clone(), self.groups.len());
+        }
+        self.groups.push(Group {
+            attributes,
+            vertex_count,
+            unpacked,
+            first_primitive: index,
+            runs: vec![run],
+        });
         Ok(())
     }
 
     /// A primitive's vertex indices, all below `vertex_count`.
-    fn indices(&self, json: &Primitive, vertex_count: usize) -> Result<Vec<u32>, String> {
-        let Some(accessor) = json.indices else {
+    fn indices(
+        &self,
+        json: &Primitive,
+        element: &str,
+        vertex_count: usize,
+    ) -> Result<Vec<u32>, String> {
+        let accessor = json
+            .indices
+            .map(|a| Accessor::open(self.document, a.value()));
+        let accessor = accessor.transpose()?;
+        let count = accessor.as_ref().map_or(vertex_count, |a| a.count);
+        let budget = self.document.budget;
+        budget.charge_many(count, INDEX_BYTES, || element.to_owned())?;
+        let Some(accessor) = accessor else {
             // Fits: the count of an accessor has 32 bits.
             return Ok((0..vertex_count as u32).collect());
         };
-        let indices = Accessor::open(self.document, accessor.value())?.indices()?;
+        let indices = accessor.indices()?;
         match primitive::first_beyond(&indices, vertex_count) {
             None => Ok(indices),
             Some(at) => Err(format!(

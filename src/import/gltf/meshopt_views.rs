@@ -36,11 +36,19 @@ pub(super) fn extension(view: &buffer::View) -> Option<(&'static str, Extension<
 }
 
 /// The uncompressed bytes of a buffer view with `extension`.
-pub(super) fn decode(document: &Document, extension: Extension) -> Result<Vec<u8>, String> {
+pub(super) fn decode(
+    document: &Document,
+    index: usize,
+    extension: Extension,
+) -> Result<Vec<u8>, String> {
     let header = Header::read(document, extension)?;
     if header.count == 0 {
         return Ok(Vec::new());
     }
+    // Vertices, their words and their bytes, in turn.
+    let view = || format!("buffer view {index}");
+    let bytes = header.stride.saturating_mul(3);
+    document.budget.charge_many(header.count, bytes, view)?;
     let broken = || format!("its {} are broken", header.mode);
     let mut words = header.unpack()?.ok_or_else(broken)?;
     header.unfilter(&mut words)?;

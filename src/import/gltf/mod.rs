@@ -46,6 +46,9 @@ use self::mesh::MeshRead;
 use self::notes::Notes;
 use self::pose::Shape;
 use self::texture::Textures;
+use super::budget::Budget;
+use super::line::one_line;
+use super::smooth::smooth;
 use super::{FileRead, ImportError, ImportOptions, images};
 use crate::geometry::Aabb;
 use crate::geometry::tolerance::COORDINATE_LIMIT;
@@ -54,12 +57,13 @@ use crate::scene::{Defect, DefectCause, Filter, Instance, Scene, Texture, Triang
 /// Reads a glTF file or GLB whose bytes are `bytes`, with the files that it names.
 pub(super) fn load(
     file: &Path,
-    bytes: Vec<u8>,
+    bytes: &[u8],
     options: &ImportOptions,
+    budget: &Budget,
 ) -> Result<FileRead, ImportError> {
     let mut notes = Notes::new(file);
-    let container = container::split(file, &bytes, &mut notes)?;
-    let mut document = Document::read(file, &container)?;
+    let container = container::split(file, bytes, &mut notes)?;
+    let mut document = Document::read(file, &container, budget)?;
     extensions::gate(&document, &mut notes)?;
     animation::pose(&mut document, options.moment, &mut notes)?;
     let variant = variants::choose(&document, options.variant.as_deref(), &mut notes)?;
@@ -74,6 +78,7 @@ pub(super) fn load(
         let Some(mesh) = places[shape] else { continue };
         let node = shapes[shape].pose.placement(placed.world_from_node);
         let object = boxes[mesh as usize];
+        charge_instances(&document, placed.node, 1)?;
         let many = instancing::placements(&document, placed.node, &mut notes)?;
         for node_from_instance in many.unwrap_or_else(|| vec![DAffine3::IDENTITY]) {
             let placement = node * node_from_instance;
@@ -90,6 +95,12 @@ pub(super) fn load(
         .filter_map(|l| views::light(&document, l, &mut notes))
         .collect();
     read_materials(&document, &mut scene, &mut notes);
+    for mesh in &mut scene.meshes {
+        let charge = smooth_charge(mesh, options);
+        let charged = budget.charge(charge, || format!("mesh {:?}", mesh.name));
+        charged.map_err(|cause| document.invalid(&mesh.name, cause))?;
+        smooth(mesh, &[], options.crease_angle);
+    }
     let has_animations = !document.animations.is_empty();
     let has_variants = !variants::names(&document).is_empty();
     scene.files.extend(document.files.into_paths());
@@ -170,12 +181,38 @@ fn place(
     }
     scene.defects.push(Defect {
         file: document.file.to_owned(),
-        element: format!("{} as placed", label()),
+        element: one_line(format!("{} as placed", label())),
         cause: DefectCause::TooLarge,
         count: scene.meshes[mesh as usize].triangles.len() as u64,
         first: 0,
     });
     Ok(Aabb::EMPTY)
+}
+
+/// Bytes of an instance and, while it is read, its placement.
+const INSTANCE_BYTES: usize = size_of::<Instance>() + 3 * size_of::<DAffine3>();
+
+/// Takes the memory of what a node shows `count` times. Every instance has its own copy of the node's name.
+pub(self) fn charge_instances(
+    document: &Document,
+    node: usize,
+    count: usize,
+) -> Result<(), ImportError> {
+    let name = document.root.nodes[node].name.as_ref();
+    let bytes = INSTANCE_BYTES + document.file.as_os_str().len() + name.map_or(0, String::len);
+    let label = || document.node_label(node);
+    let charged = document.budget.charge_many(count, bytes, label);
+    charged.map_err(|cause| document.invalid(label(), cause))
+}
+
+/// Bytes that smoothing takes at most: every corner gets a vertex of its own.
+fn smooth_charge(mesh: &TriangleMesh, options: &ImportOptions) -> u64 {
+    /// A corner's place, and a vertex with its attributes and the list of its copies.
+    const CORNER_BYTES: u64 = 200;
+    match options.crease_angle {
+        Some(_) => 3 * CORNER_BYTES * mesh.triangles.len() as u64,
+        None => 0,
+    }
 }
 
 fn object_box(mesh: &TriangleMesh) -> Aabb {

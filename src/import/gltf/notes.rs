@@ -3,6 +3,7 @@
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 
+use crate::import::line::one_line;
 use crate::scene::Note;
 
 /// Collects notes. Those with the same text become one, which names the first element and counts the others.
@@ -50,10 +51,10 @@ impl Notes {
             .map(|(element, text, count)| Note {
                 file: file.clone(),
                 element: match count {
-                    1 => element,
-                    n => format!("{element} and {} more", n - 1),
+                    1 => one_line(element),
+                    n => format!("{} and {} more", one_line(element), n - 1),
                 },
-                text,
+                text: one_line(text),
             })
             .collect()
     }

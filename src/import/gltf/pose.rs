@@ -52,6 +52,10 @@ pub(super) fn shapes(
             return Err(document.invalid(document.node_label(node), cause));
         }
         let weights = weights(document, node, what);
+        // Compared with those of other nodes, bit by bit.
+        let label = || document.node_label(node);
+        let charged = document.budget.charge_many(weights.len(), 16, label);
+        charged.map_err(|cause| document.invalid(label(), cause))?;
         let has_skin = document.root.nodes[node].skin.is_some();
         let bits: Vec<u64> = weights.iter().map(|w| w.to_bits()).collect();
         let key = (what, bits, has_skin.then_some(node));

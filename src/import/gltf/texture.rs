@@ -181,19 +181,21 @@ fn empty_image(document: &Document, index: usize) -> Image {
 fn read_image(document: &Document, index: usize) -> Result<Image, String> {
     let image = &document.root.images[index];
     let name = image_name(document, index);
+    let element = || label("image", index, image.name.as_ref());
+    let charge = |bytes| document.budget.charge(bytes, element);
     let decode = |bytes: &[u8]| {
         let decoded = match ktx2::is_ktx2(bytes) {
-            true => ktx2::decode(&name, bytes),
-            false => images::decode(&name, bytes),
+            true => ktx2::decode(&name, bytes, charge),
+            false => images::decode(&name, bytes, charge),
         };
         decoded.map_err(|cause| format!("cannot be decoded: {cause}"))
     };
     match (&image.buffer_view, &image.uri) {
         (Some(view), _) => decode(document.view(view.value())?.0),
-        (None, Some(uri)) => match uri::resolve(document.file, uri)? {
-            Target::Data(bytes) => decode(&bytes),
-            Target::Files(paths) => decode(&document.files.read_first(&paths, u64::MAX)?),
-        },
+        (None, Some(uri)) => {
+            let files = &document.files;
+            decode(&uri::read(document.file, uri, files, u64::MAX, charge)?)
+        }
         (None, None) => Err("has neither a URI nor a buffer view".to_owned()),
     }
 }

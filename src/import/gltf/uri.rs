@@ -31,10 +31,7 @@ pub(super) enum Target {
 
 /// Finds out where a URI of the model `file` leads; nothing outside the URI is read.
 pub(super) fn resolve(file: &Path, uri: &str) -> Result<Target, String> {
-    if uri
-        .get(..5)
-        .is_some_and(|s| s.eq_ignore_ascii_case("data:"))
-    {
+    if is_data(uri) {
         return decode_data(&uri[5..]).map(Target::Data);
     }
     let scheme = uri.split_once(':').map(|(s, _)| s).filter(|s| {
@@ -68,6 +65,28 @@ pub(super) fn resolve(file: &Path, uri: &str) -> Result<Target, String> {
     Ok(Target::Files(paths))
 }
 
+/// The bytes to which a URI of the model `file` leads, of a file at most `limit` of them. `charge` is asked for their number before.
+pub(super) fn read(
+    file: &Path,
+    uri: &str,
+    files: &Files,
+    limit: u64,
+    charge: impl Fn(u64) -> Result<(), String>,
+) -> Result<Vec<u8>, String> {
+    if is_data(uri) {
+        charge(uri.len() as u64)?;
+    }
+    match resolve(file, uri)? {
+        Target::Data(bytes) => Ok(bytes),
+        Target::Files(paths) => files.read_first(&paths, limit, charge),
+    }
+}
+
+fn is_data(uri: &str) -> bool {
+    let scheme = uri.get(..5);
+    scheme.is_some_and(|s| s.eq_ignore_ascii_case("data:"))
+}
+
 /// Reads files, and remembers which; several threads may ask.
 #[derive(Debug, Default)]
 pub(super) struct Files {
@@ -78,9 +97,24 @@ pub(super) struct Files {
 impl Files {
     /// Reads the first of `paths` that is a file, at most `limit` bytes of it.
     ///
-    /// The error is that of the first path. Devices and pipes, which have no end, are not files here.
-    pub(super) fn read_first(&self, paths: &[PathBuf], limit: u64) -> Result<Vec<u8>, String> {
-        read(self.find_first(paths)?, limit)
+    /// The error is that of the first path. `charge` is asked for their number before they are read. Devices and pipes, which have no end, are not files here.
+    pub(super) fn read_first(
+        &self,
+        paths: &[PathBuf],
+        limit: u64,
+        charge: impl FnOnce(u64) -> Result<(), String>,
+    ) -> Result<Vec<u8>, String> {
+        let path = self.find_first(paths)?;
+        let wrong = |e: std::io::Error| format!("cannot read {:?}: {e}", path.display());
+        let file = File::open(path).map_err(wrong)?;
+        let length = file.metadata().map_err(wrong)?.len().min(limit);
+        charge(length)?;
+        let mut bytes = Vec::new();
+        // A file with holes may claim more than there is memory.
+        let reserved = bytes.try_reserve_exact(usize::try_from(length).unwrap_or(usize::MAX));
+        reserved.map_err(|e| format!("cannot read {:?}: {e}", path.display()))?;
+        file.take(length).read_to_end(&mut bytes).map_err(wrong)?;
+        Ok(bytes)
     }
 
     /// The first of `paths` that is a file.
@@ -96,17 +130,6 @@ impl Files {
         let found = self.found.into_inner();
         found.unwrap_or_else(PoisonError::into_inner)
     }
-}
-
-fn read(path: &Path, limit: u64) -> Result<Vec<u8>, String> {
-    let read = || {
-        let file = File::open(path)?;
-        let length = file.metadata()?.len().min(limit);
-        let mut bytes = Vec::with_capacity(usize::try_from(length).unwrap_or(0));
-        file.take(limit).read_to_end(&mut bytes)?;
-        Ok(bytes)
-    };
-    read().map_err(|e: std::io::Error| format!("cannot read {:?}: {e}", path.display()))
 }
 
 fn find_first(paths: &[PathBuf]) -> Result<&PathBuf, String> {
@@ -212,13 +235,13 @@ mod tests {
     #[test]
     fn devices_and_directories_are_not_files() {
         let error = Files::default()
-            .read_first(&[PathBuf::from("/")], 10)
+            .read_first(&[PathBuf::from("/")], 10, |_| Ok(()))
             .expect_err("a directory");
         assert!(error.contains("not a file"), "{error}");
         #[cfg(unix)]
         assert!(
             Files::default()
-                .read_first(&[PathBuf::from("/dev/zero")], 10)
+                .read_first(&[PathBuf::from("/dev/zero")], 10, |_| Ok(()))
                 .is_err()
         );
     }

@@ -30,15 +30,19 @@ pub(super) struct Group {
 /// Adds the vertices that a group's triangles use to `mesh`, in the shape of `pose`, and makes the triangles name them.
 pub(super) fn read(
     document: &Document,
+    mesh_label: &str,
     group: &Group,
     pose: &MeshPose,
     mesh: &mut TriangleMesh,
 ) -> Result<(), String> {
     let base = mesh.positions.len();
-    let used = renumber(mesh, &group.runs)?;
+    let element = || format!("{mesh_label}, primitive {}", group.first_primitive);
+    let charge = |count, bytes| document.budget.charge_many(count, bytes, element);
+    let used = renumber(mesh, &group.runs, charge)?;
     let reader = Reader {
         document,
         group,
+        element: &element,
         used: &used,
     };
     let attributes = &group.attributes;
@@ -93,8 +97,13 @@ pub(super) fn read(
 struct Reader<'a, 'file> {
     document: &'a Document<'file>,
     group: &'a Group,
+    /// Names it in messages.
+    element: &'a dyn Fn() -> String,
     used: &'a [u32],
 }
+
+/// Bytes of a vertex's attribute: as it is read, in double precision where it bends, and in the mesh.
+const ATTRIBUTE_BYTES: usize = 64;
 
 impl<'a> Reader<'a, '_> {
     fn open(
@@ -103,6 +112,8 @@ impl<'a> Reader<'a, '_> {
         index: usize,
         widths: RangeInclusive<usize>,
     ) -> Result<Accessor<'a>, String> {
+        let budget = self.document.budget;
+        budget.charge_many(self.used.len(), ATTRIBUTE_BYTES, self.element)?;
         let unpacked = self.group.unpacked.as_ref();
         let accessor = match unpacked.and_then(|u| u.attributes.get(name)) {
             Some(values) => Accessor::unpacked(self.document, index, values),
@@ -186,6 +197,8 @@ impl<'a> Reader<'a, '_> {
             let weights = weights.into_normalized();
             sets.push((joints, weights.read(self.used, [0.0; 4])));
         }
+        let budget = self.document.budget;
+        budget.charge_many(self.used.len(), size_of::<DAffine3>(), self.element)?;
         let mut influences = Vec::with_capacity(4 * sets.len());
         let mut matrices = Vec::with_capacity(self.used.len());
         for (i, vertex) in self.used.iter().enumerate() {
@@ -238,8 +251,12 @@ fn turn(mesh: &mut TriangleMesh, runs: &[Range<usize>], base: usize, is_mirrored
 }
 
 /// Makes the triangles of `runs` name the vertices that they use in the order of the accessor, behind those that the mesh
-/// already has. Gives those vertices, as the accessor counts, ascending.
-fn renumber(mesh: &mut TriangleMesh, runs: &[Range<usize>]) -> Result<Vec<u32>, String> {
+/// already has. Gives those vertices, as the accessor counts, ascending. `charge` is asked for elements and their size.
+fn renumber(
+    mesh: &mut TriangleMesh,
+    runs: &[Range<usize>],
+    charge: impl Fn(usize, usize) -> Result<(), String>,
+) -> Result<Vec<u32>, String> {
     const UNUSED: u32 = u32::MAX;
     let base = mesh.positions.len();
     let corners = |triangles: &[[u32; 3]]| {
@@ -252,6 +269,7 @@ fn renumber(mesh: &mut TriangleMesh, runs: &[Range<usize>]) -> Result<Vec<u32>, 
         .reduce(|(low, high), (l, h)| (low.min(l), high.max(h)))
         .unwrap_or((0, 0));
     // One place for each vertex between the least and the greatest: they are there, and indices name them.
+    charge((high - low) as usize + 1, 2 * size_of::<u32>())?;
     let mut place = vec![UNUSED; (high - low) as usize + 1];
     for run in runs {
         for &v in mesh.triangles[run.clone()].as_flattened() {

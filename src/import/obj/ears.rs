@@ -8,6 +8,13 @@ use crate::geometry::tolerance::POLYGON_AREA_TOLERANCE;
 /// corners was measured, so that this keeps it near 10 s. Beyond, a polygon is fanned, and noted.
 const MOST_EARS: usize = 1 << 15;
 
+/// Corners of a polygon from which on the square of their number counts as work.
+const MANY_EARS: usize = 512;
+
+/// Most work for the polygons of a file, in squares of corners: that of 16 of the largest that are cut, a few minutes for combs. Files
+/// of honest polygons stay far below: 17,000 of a thousand corners each. Beyond, polygons are fanned, and noted.
+const MOST_WORK: usize = 1 << 34;
+
 /// Cuts ears, reusing its memory.
 #[derive(Default)]
 pub(super) struct Ears {
@@ -15,6 +22,7 @@ pub(super) struct Ears {
     earcut: earcut::Earcut<f64>,
     refiner: earcut::Refiner,
     cut: Vec<u32>,
+    work: usize,
 }
 
 impl Ears {
@@ -22,7 +30,13 @@ impl Ears {
     /// `None` if they do not cover the polygon.
     pub(super) fn cut(&mut self, points: &[[f64; 3]]) -> Option<&[u32]> {
         let count = points.len();
-        if count > MOST_EARS || !earcut::utils3d::project3d_to_2d(points, count, &mut self.plane) {
+        if count > MANY_EARS && count <= MOST_EARS {
+            self.work = self.work.saturating_add(count * count);
+        }
+        if count > MOST_EARS || self.work > MOST_WORK {
+            return None;
+        }
+        if !earcut::utils3d::project3d_to_2d(points, count, &mut self.plane) {
             return None;
         }
         self.earcut.earcut_slice(&self.plane, &[], &mut self.cut);

@@ -31,7 +31,7 @@ const SHEEN_ROUGHNESS: f32 = 0.5;
 /// Converts a material of `mtl`; what it needs of images goes into `textures`.
 pub(super) fn convert(
     source: &MtlMaterial,
-    textures: &mut Textures,
+    textures: &mut Textures<'_>,
     mtl: &mut MtlFile,
 ) -> Material {
     let mut conversion = Conversion {
@@ -53,14 +53,14 @@ pub(super) fn convert(
     conversion.material
 }
 
-struct Conversion<'c> {
+struct Conversion<'c, 'b> {
     source: &'c MtlMaterial,
-    textures: &'c mut Textures,
+    textures: &'c mut Textures<'b>,
     mtl: &'c mut MtlFile,
     material: Material,
 }
 
-impl Conversion<'_> {
+impl Conversion<'_, '_> {
     fn other(&self, key: &str) -> Option<&str> {
         self.source.unknown_param.get(key).map(String::as_str)
     }

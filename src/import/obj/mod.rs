@@ -27,7 +27,9 @@ use std::path::Path;
 
 use glam::DAffine3;
 
+use super::budget::Budget;
 use super::clean::drop_broken_triangles;
+use super::line::one_line;
 use super::smooth::smooth;
 use super::{ImportError, ImportOptions};
 use glam::Vec3;
@@ -45,6 +47,7 @@ pub(super) fn load(
     file: &Path,
     bytes: &[u8],
     options: &ImportOptions,
+    budget: &Budget,
 ) -> Result<Scene, ImportError> {
     if bytes.trim_ascii().is_empty() {
         return Err(ImportError::invalid(file, "file", "is empty"));
@@ -52,7 +55,7 @@ pub(super) fn load(
     let mut notes = Notes::new(file);
     let source = text::with_plain_line_ends(bytes);
     let file_name = file.file_stem().unwrap_or_default().to_string_lossy();
-    let mut prepared = prepass::prepare(&source, &file_name, &mut notes)?;
+    let mut prepared = prepass::prepare(&source, &file_name, budget, &mut notes)?;
     if prepared.objects.is_empty() {
         let cause = match prepared.vertices {
             0 => "holds no vertices and no faces: not an OBJ file, or an empty one".to_owned(),
@@ -84,8 +87,8 @@ pub(super) fn load(
     let mut materials = Materials {
         plain,
         names,
-        libraries: Libraries::load(&libraries, folder, &mut notes),
-        textures: Textures::default(),
+        libraries: Libraries::load(&libraries, folder, budget, &mut notes),
+        textures: Textures::new(budget),
         of_name: BTreeMap::new(),
         made: Vec::new(),
         missing: Vec::new(),
@@ -105,6 +108,13 @@ pub(super) fn load(
             });
         for text in oddities.notes() {
             notes.element(format!("mesh {:?}", mesh.name), text);
+        }
+        let refused = |cause| ImportError::invalid(file, &object.name, cause);
+        if options.crease_angle.is_some() || !groups.is_empty() {
+            let element = || format!("mesh {:?}", object.name);
+            let bytes = 3 * SMOOTH_CORNER_BYTES;
+            let charged = budget.charge_many(mesh.triangles.len(), bytes, element);
+            charged.map_err(refused)?;
         }
         smooth(&mut mesh, &groups, options.crease_angle);
         drop_broken_triangles(&mut mesh, file, &mut scene.defects);
@@ -129,7 +139,7 @@ fn too_few_corners(file: &Path, object: &Object) -> Option<Defect> {
     let dropped = object.dropped?;
     Some(Defect {
         file: file.to_owned(),
-        element: format!("mesh {:?} (line {})", object.name, dropped.line),
+        element: one_line(format!("mesh {:?} (line {})", object.name, dropped.line)),
         cause: DefectCause::TooFewCorners,
         count: dropped.count,
         first: dropped.first_face,
@@ -140,19 +150,22 @@ fn too_few_corners(file: &Path, object: &Object) -> Option<Defect> {
 /// would leave no light for highlights; vertex colours, which multiply it, get it all the same.
 const PLAIN_REFLECTANCE: f32 = 0.65;
 
+/// Bytes that a corner takes at most while a mesh is smoothed: its place, and a vertex of its own.
+const SMOOTH_CORNER_BYTES: usize = 200;
+
 /// The materials that faces use, made when first used.
-struct Materials {
+struct Materials<'b> {
     /// What faces without a known material get.
     plain: Material,
     names: Vec<Named>,
     libraries: Libraries,
-    textures: Textures,
+    textures: Textures<'b>,
     of_name: BTreeMap<Option<u32>, u32>,
     made: Vec<Material>,
     missing: Vec<u32>,
 }
 
-impl Materials {
+impl Materials<'_> {
     /// The scene's material for the index of a `usemtl` name. A name that no MTL has gets the plain material, so named.
     fn index_of(&mut self, name: Option<u32>) -> u32 {
         if let Some(&index) = self.of_name.get(&name) {

@@ -7,13 +7,40 @@ use std::collections::HashMap;
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
 
-use super::files;
+use super::files::Finder;
 use super::notes::Notes;
 use super::numbers::parsed;
 use super::prepass::Named;
 use super::reader::{MtlMaterial, read_materials};
 use super::text::{Lines, before_comment, decoded, keyword, with_plain_line_ends};
+use crate::import::budget::Budget;
 use crate::scene::Note;
+
+/// Bytes that a byte of an MTL file may become: `newmtl a` is a material of half a kilobyte for `tobj` and here.
+const MTL_GROWTH: u64 = 128;
+
+/// Most names of material files that are looked for. A name costs the file two bytes, and its search many calls of the system.
+const MOST_LIBRARIES: usize = 1 << 16;
+
+const TOO_MANY_LIBRARIES: &str =
+    "too many material files are named; the materials of this one get the default";
+
+/// What became of a name of a material file.
+enum Search {
+    Found(PathBuf),
+    NotThere,
+    /// Too many names were looked for before.
+    NotDone,
+}
+
+impl Search {
+    fn found(self) -> Option<PathBuf> {
+        match self {
+            Self::Found(path) => Some(path),
+            Self::NotThere | Self::NotDone => None,
+        }
+    }
+}
 
 /// An MTL file that was read.
 pub(super) struct MtlFile {
@@ -32,48 +59,67 @@ pub(super) struct Libraries {
 
 impl Libraries {
     /// Reads the files that `mtllib` statements of an OBJ in `folder` name. What is missing is noted in `notes`.
-    pub(super) fn load(statements: &[Named], folder: &Path, notes: &mut Notes) -> Self {
+    pub(super) fn load(
+        statements: &[Named],
+        folder: &Path,
+        budget: &Budget,
+        notes: &mut Notes,
+    ) -> Self {
         let mut libraries = Self::default();
+        let mut finder = Finder::default();
         // A folder is searched once for a name, however often it is named.
         let mut found: HashMap<&str, Option<PathBuf>> = HashMap::new();
         let mut find = |name| {
+            if found.len() >= MOST_LIBRARIES && !found.contains_key(name) {
+                return Search::NotDone;
+            }
             let path = found
                 .entry(name)
-                .or_insert_with(|| files::find(folder, name));
-            path.clone()
+                .or_insert_with(|| finder.find(folder, name));
+            path.clone().map_or(Search::NotThere, Search::Found)
         };
         for Named { name, line } in statements {
             // One name with blanks, or several names.
             let whole = [Some(name.as_str()), before_comment(name)];
-            if let Some(path) = whole.into_iter().flatten().find_map(&mut find) {
-                libraries.read(&path, notes);
+            let mut whole = whole.into_iter().flatten().map(&mut find);
+            if let Some(path) = whole.find_map(Search::found) {
+                libraries.read(&path, budget, notes);
                 continue;
             }
             let names = before_comment(name).unwrap_or(name);
             for name in names.split_whitespace() {
                 match find(name) {
-                    Some(path) => libraries.read(&path, notes),
-                    None => notes.line(
-                        *line,
-                        format!(
+                    Search::Found(path) => libraries.read(&path, budget, notes),
+                    Search::NotThere => {
+                        let text = format!(
                             "material file {name:?} is not there; its materials get the default"
-                        ),
-                    ),
+                        );
+                        notes.line(*line, text);
+                    }
+                    Search::NotDone => notes.line(*line, TOO_MANY_LIBRARIES),
                 }
             }
         }
         libraries
     }
 
-    fn read(&mut self, path: &Path, notes: &mut Notes) {
+    fn read(&mut self, path: &Path, budget: &Budget, notes: &mut Notes) {
         if self.files.iter().any(|f| f.notes.file() == path) {
             return;
         }
-        let bytes = match std::fs::read(path) {
+        let element = || format!("material file {:?}", path.display());
+        let length = std::fs::metadata(path).map_or(0, |m| m.len());
+        // Each of a material's statements is kept by itself.
+        let charged = budget.charge(length.saturating_mul(MTL_GROWTH), element);
+        let read = match charged {
+            Ok(()) => std::fs::read(path).map_err(|e| e.to_string()),
+            Err(cause) => Err(cause),
+        };
+        let bytes = match read {
             Ok(bytes) => bytes,
             Err(error) => {
                 let text = format!("cannot be read: {error}; its materials get the default");
-                return notes.element(format!("material file {:?}", path.display()), text);
+                return notes.element(element(), text);
             }
         };
         let mut notes = Notes::new(path);

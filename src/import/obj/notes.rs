@@ -4,6 +4,7 @@ use std::borrow::Cow;
 use std::collections::{HashMap, HashSet};
 use std::path::{Path, PathBuf};
 
+use crate::import::line::one_line;
 use crate::scene::Note;
 
 /// Collects notes about one file.
@@ -51,8 +52,8 @@ impl Notes {
         if self.known.insert((element.clone(), text.clone())) {
             self.others.push(Note {
                 file: self.file.clone(),
-                element,
-                text,
+                element: one_line(element),
+                text: one_line(text),
             });
         }
     }
@@ -71,7 +72,7 @@ impl Notes {
                     2 => format!("line {first} and 1 more"),
                     _ => format!("line {first} and {} more", count - 1),
                 },
-                text: text.into_owned(),
+                text: one_line(text),
             });
         lines.chain(self.others).collect()
     }

@@ -15,6 +15,7 @@ use std::collections::HashMap;
 use std::path::Path;
 
 use super::super::ImportError;
+use super::super::budget::Budget;
 use super::attributes::Attributes;
 use super::faces::{self, Corner, Pads};
 use super::notes::Notes;
@@ -49,13 +50,35 @@ pub(super) struct Prepared<'a> {
     pub(super) vertices: usize,
 }
 
+/// Bytes of a `v`, `vt` or `vn`, here and in `tobj`.
+const ATTRIBUTE_BYTES: usize = 32;
+
+/// Bytes of an object, group, material or library beside its name: the lists that name it, an empty mesh, its instance.
+const STATEMENT_BYTES: usize = 2048;
+
+/// Bytes that a character behind `mtllib` becomes: two may be the name of a file that is not there, with the note of it.
+const LIBRARY_BYTES: usize = 128;
+
+/// Bytes of a corner: its indices, its triangle, and its share of a vertex, which has 160 here and in `tobj`, and is used by
+/// three to six corners. Of a file where every corner is a vertex of its own it is less than half.
+const CORNER_BYTES: usize = 64;
+
+/// Bytes of a line that are charged before they are read, and not with its corners.
+const LONG_LINE: usize = 1 << 16;
+
+/// Bytes that are charged at once: the budget is shared by threads, and slow to ask.
+const CHARGE_BYTES: usize = 1 << 20;
+
 /// Reads the lines of `source`, whose line ends are plain. `file_name` names what has no name in the file.
 pub(super) fn prepare<'a>(
     source: &'a [u8],
     file_name: &str,
+    budget: &Budget,
     notes: &mut Notes,
 ) -> Result<Prepared<'a>, ImportError> {
     let mut pass = Pass {
+        budget,
+        claimed: 0,
         notes,
         store: Store::new(source),
         attributes: Attributes::default(),
@@ -75,6 +98,9 @@ pub(super) fn prepare<'a>(
 }
 
 struct Pass<'a, 'n> {
+    budget: &'n Budget,
+    // Bytes that are not charged yet.
+    claimed: usize,
     notes: &'n mut Notes,
     store: Store<'a>,
     attributes: Attributes,
@@ -93,6 +119,15 @@ struct Pass<'a, 'n> {
 impl<'a> Pass<'a, '_> {
     fn statement(&mut self, line: &Line) -> Result<(), ImportError> {
         let (word, rest) = keyword(&line.text);
+        self.claimed += match word {
+            b"v" | b"vt" | b"vn" => ATTRIBUTE_BYTES,
+            b"o" | b"g" | b"usemtl" => STATEMENT_BYTES + 4 * line.text.len(),
+            b"mtllib" => STATEMENT_BYTES + LIBRARY_BYTES * line.text.len(),
+            // The corners of a face are read at once, and have two bytes at least.
+            b"f" | b"fo" if rest.len() > LONG_LINE => size_of::<Corner>() * rest.len(),
+            _ => 0,
+        };
+        self.charge(line)?;
         let (store, notes) = (&mut self.store, &mut *self.notes);
         match word {
             b"v" => self.attributes.vertex(rest, line, store, notes),
@@ -117,6 +152,17 @@ impl<'a> Pass<'a, '_> {
             }
         }
         Ok(())
+    }
+
+    /// Takes the memory of what was read, up to `line`, some at a time.
+    fn charge(&mut self, line: &Line) -> Result<(), ImportError> {
+        if self.claimed < CHARGE_BYTES {
+            return Ok(());
+        }
+        let bytes = std::mem::take(&mut self.claimed);
+        let element = || at_line(line.number);
+        let charged = self.budget.charge(bytes as u64, element);
+        charged.map_err(|cause| ImportError::invalid(self.notes.file(), element(), cause))
     }
 
     fn use_material(&mut self, name: &[u8], line: usize) {
@@ -193,6 +239,7 @@ impl<'a> Pass<'a, '_> {
             self.objects.drop_face(line.number);
             return Ok(());
         }
+        self.claimed += CORNER_BYTES * self.corners.len();
         self.corner_count += self.corners.len() as u64;
         if self.corner_count > u64::from(u32::MAX) {
             let cause = "more than 4,294,967,295 face corners; split the file";

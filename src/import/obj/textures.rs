@@ -5,8 +5,9 @@ use std::path::PathBuf;
 
 use glam::{Affine2, Vec2, Vec3};
 
+use super::super::budget::Budget;
 use super::super::images;
-use super::files;
+use super::files::Finder;
 use super::mtl::MtlFile;
 use super::text::before_comment;
 use crate::scene::{Image, Pixels, Texture, TextureRef, UvTransform, Wrap};
@@ -99,8 +100,9 @@ fn numbers<const N: usize>(text: &mut &str, default: [f32; N]) -> [f32; N] {
 }
 
 /// The scene's images and textures.
-#[derive(Default)]
-pub(super) struct Textures {
+pub(super) struct Textures<'b> {
+    budget: &'b Budget,
+    finder: Finder,
     /// Images: one a file.
     pub(super) images: Vec<Image>,
     /// Textures: one an image and way to sample it.
@@ -111,7 +113,20 @@ pub(super) struct Textures {
     texture_of: HashMap<(u32, bool), u32>,
 }
 
-impl Textures {
+impl<'b> Textures<'b> {
+    /// No images yet. What they take is taken from `budget`.
+    pub(super) fn new(budget: &'b Budget) -> Self {
+        Self {
+            budget,
+            finder: Finder::default(),
+            images: Vec::new(),
+            textures: Vec::new(),
+            files: Vec::new(),
+            image_of: HashMap::new(),
+            texture_of: HashMap::new(),
+        }
+    }
+
     /// The texture that a statement of an MTL file names. Its pixels are read if a renderer uses them (`with_pixels`). `None`,
     /// and a note, if the file is not there or cannot be read.
     pub(super) fn find(
@@ -124,7 +139,7 @@ impl Textures {
         let path = candidates
             .into_iter()
             .flatten()
-            .find_map(|n| files::find(&mtl.folder, n));
+            .find_map(|n| self.finder.find(&mtl.folder, n));
         let element = format!("texture {:?}", map.name);
         let Some(path) = path else {
             mtl.notes
@@ -173,8 +188,12 @@ impl Textures {
             return known.ok_or_else(String::new);
         }
         let image = if with_pixels {
-            let read = std::fs::read(&path).map_err(|e| e.to_string());
-            read.and_then(|bytes| images::decode(name, &bytes))
+            let element = || format!("texture {name:?}");
+            let charge = |bytes| self.budget.charge(bytes, element);
+            let length = std::fs::metadata(&path).map_or(0, |m| m.len());
+            let read = || std::fs::read(&path).map_err(|e| e.to_string());
+            let bytes = charge(length).and_then(|()| read());
+            bytes.and_then(|bytes| images::decode(name, &bytes, charge))
         } else {
             Ok(Image {
                 name: name.to_owned(),
