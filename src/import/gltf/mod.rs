@@ -193,7 +193,7 @@ fn place(
 const INSTANCE_BYTES: usize = size_of::<Instance>() + 3 * size_of::<DAffine3>();
 
 /// Takes the memory of what a node shows `count` times. Every instance has its own copy of the node's name.
-pub(self) fn charge_instances(
+fn charge_instances(
     document: &Document,
     node: usize,
     count: usize,
