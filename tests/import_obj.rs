@@ -260,7 +260,9 @@ fn a_crease_angle_smooths_what_has_no_normals() {
             crease_angle: degrees,
             ..import::ImportOptions::default()
         };
-        import::load_with(&[path.clone()], &options).unwrap().meshes[0]
+        import::load_with(std::slice::from_ref(&path), &options)
+            .unwrap()
+            .meshes[0]
             .normals
             .clone()
     };

@@ -92,7 +92,7 @@ fn range(random: &mut Random, bytes: &[u8], most: i64) -> std::ops::Range<usize>
 fn runs(bytes: &[u8], is_part: impl Fn(u8) -> bool) -> Vec<std::ops::Range<usize>> {
     let mut runs = Vec::new();
     let mut start = None;
-    for (at, &byte) in bytes.iter().chain(&[b'\n']).enumerate() {
+    for (at, &byte) in bytes.iter().chain(b"\n").enumerate() {
         match (start, at < bytes.len() && is_part(byte)) {
             (None, true) => start = Some(at),
             (Some(from), false) => {

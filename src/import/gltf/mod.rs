@@ -193,11 +193,7 @@ fn place(
 const INSTANCE_BYTES: usize = size_of::<Instance>() + 3 * size_of::<DAffine3>();
 
 /// Takes the memory of what a node shows `count` times. Every instance has its own copy of the node's name.
-pub(self) fn charge_instances(
-    document: &Document,
-    node: usize,
-    count: usize,
-) -> Result<(), ImportError> {
+fn charge_instances(document: &Document, node: usize, count: usize) -> Result<(), ImportError> {
     let name = document.root.nodes[node].name.as_ref();
     let bytes = INSTANCE_BYTES + document.file.as_os_str().len() + name.map_or(0, String::len);
     let label = || document.node_label(node);
