@@ -110,12 +110,15 @@ fn what_is_charged_is_what_is_allocated() {
     let json = |nodes: &str, scene: &str, rest: &str| {
         format!(
             r#"{{"asset":{{"version":"2.0"}},"scenes":[{{"nodes":[{scene}0]}}],"nodes":[{nodes}],
-            "meshes":[{{"primitives":[{{"attributes":{{"POSITION":0}}}}]}}],{rest}
-            "accessors":[{{"componentType":5126,"count":1048576,"type":"VEC3"}}]}}"#
+            "meshes":[{{"primitives":[{{"attributes":{{"POSITION":0}}}}]}},{{"primitives":[{{"attributes":{{"POSITION":1}}}}]}}],{rest}
+            "buffers":[{{"byteLength":36,"uri":"data:;base64,AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAA"}}],
+            "bufferViews":[{{"buffer":0,"byteLength":36}}],
+            "accessors":[{{"componentType":5126,"count":1048576,"type":"VEC3"}},
+                {{"bufferView":0,"componentType":5126,"count":3,"type":"VEC3"}}]}}"#
         )
     };
     let instances =
-        r#"{"mesh":0,"extensions":{"EXT_mesh_gpu_instancing":{"attributes":{"TRANSLATION":0}}}}"#;
+        r#"{"mesh":1,"extensions":{"EXT_mesh_gpu_instancing":{"attributes":{"TRANSLATION":0}}}}"#;
     write("instances.gltf", &json(instances, "", ""));
     let skinned = r#"{"mesh":0,"skin":0},"#.repeat(99) + r#"{"mesh":0,"skin":0}"#;
     let scene: String = (1..100).map(|n| format!("{n},")).collect();
