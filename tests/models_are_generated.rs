@@ -38,6 +38,28 @@ fn every_malformed_file_is_generated() {
 }
 
 #[test]
+fn a_terrain_has_as_many_triangles_as_are_asked_for() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("terrain.glb");
+    for triangles in [1, 2, 3, 1001, 20_000] {
+        assert!(triangles <= generator::MOST_TRIANGLES);
+        fs::write(&path, generator::terrain(triangles)).unwrap();
+        let scene = import::load(std::slice::from_ref(&path)).unwrap();
+        assert_eq!(scene.placed_triangles(), u64::from(triangles));
+        assert!(scene.notes.is_empty() && scene.defects.is_empty());
+        let mesh = &scene.meshes[0];
+        // All face up: a landscape without overhangs.
+        for t in 0..triangles {
+            let [a, b, c] = *mesh.triangle(t).corners();
+            assert!((b - a).cross(c - a).y > 0.0, "{t}");
+        }
+    }
+    let mesh = &import::load(&[path]).unwrap().meshes[0];
+    let highest = mesh.positions.iter().map(|p| p.y).fold(0.0, f32::max);
+    assert!((1.0..50.0).contains(&highest), "{highest}");
+}
+
+#[test]
 fn the_courtyard_loads_whole_and_is_as_large_as_it_says() {
     let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("models/courtyard.glb");
     assert!(fs::metadata(&file).unwrap().len() < 2_500_000);

@@ -8,8 +8,11 @@ mod lecture_edges;
 mod lecture_objects;
 mod malformed;
 mod shapes;
+mod terrain;
 
 use std::io;
+
+pub(crate) use terrain::{MOST_TRIANGLES, terrain};
 
 /// A file to be written.
 pub(crate) struct GeneratedFile {
