@@ -211,67 +211,6 @@ fn marks_and_foreign_letters_are_read() {
 }
 
 #[test]
-fn smoothing_groups_are_smooth_where_there_are_no_normals() {
-    // A ridge of two rectangles at a right angle, the second one after `s`.
-    let ridge = "v 0 0 0\nv 0 3 0\nv -2 0 0\nv -2 3 0\nv 0 0 -1\nv 0 3 -1\n";
-    let normals = |text: &str| -> Vec<Vec3> {
-        let scene = load(format!("{ridge}{text}")).unwrap();
-        scene.meshes[0].normals.clone()
-    };
-    let faces = |first: &str, second: &str| format!("{first}f 1 2 4 3\n{second}f 1 5 6 2\n");
-    let joined = (Vec3::Z + Vec3::X).normalize();
-    let smooth = normals(&faces("s 3\n", ""));
-    assert!(
-        smooth.len() == 6 && (smooth[0] - joined).length() < 1e-6,
-        "{smooth:?}"
-    );
-    assert_eq!(smooth, normals(&faces("s 0x\ns on # all\n", "")));
-    assert_eq!(smooth, normals(&faces("s 3\no late\n", "g part\n")));
-    assert!(normals(&faces("", "")).is_empty());
-    // Groups are smooth within: each side keeps its own normal, at its own copies of the two vertices.
-    for apart in [faces("s 3\n", "s 4\n"), faces("s 1\n", "s off\n")] {
-        let normals = normals(&apart);
-        assert_eq!(normals.len(), 8, "{apart}");
-        assert!(
-            normals
-                .iter()
-                .all(|n| (*n - Vec3::Z).length().min((*n - Vec3::X).length()) < 1e-6)
-        );
-    }
-    // Normals of the file stay.
-    let given = normals(&format!(
-        "vn 0 1 0\n{}",
-        "s 1\nf 1//1 2//1 4//1 3//1\nf 1//1 5//1 6//1 2//1\n"
-    ));
-    assert_eq!(given, [Vec3::Y; 6]);
-    let scene = load(format!("{ridge}s x\nf 1 2 3\n")).unwrap();
-    assert_eq!(notes(&scene).len(), 1);
-    assert!(notes(&scene)[0].contains("line 7") && scene.meshes[0].normals.is_empty());
-}
-
-#[test]
-fn a_crease_angle_smooths_what_has_no_normals() {
-    let folder = tempfile::tempdir().unwrap();
-    let path = folder.path().join("a.obj");
-    let ridge = "v 0 0 0\nv 0 3 0\nv -2 0 0\nv -2 3 0\nv 0 0 -1\nv 0 3 -1\nf 1 2 4 3\nf 1 5 6 2\n";
-    std::fs::write(&path, ridge).unwrap();
-    let normals = |degrees: Option<f32>| {
-        let options = import::ImportOptions {
-            crease_angle: degrees,
-            ..import::ImportOptions::default()
-        };
-        import::load_with(std::slice::from_ref(&path), &options)
-            .unwrap()
-            .meshes[0]
-            .normals
-            .clone()
-    };
-    assert!(normals(None).is_empty());
-    assert_eq!(normals(Some(89.9)).len(), 8);
-    assert_eq!(normals(Some(90.1)).len(), 6);
-}
-
-#[test]
 fn corners_with_and_without_texture_coordinates_stay_aligned() {
     // tobj gives shorter lists without a word, and the coordinates slide to other vertices.
     let faces = [
