@@ -47,18 +47,54 @@ const BLOCK: [&str; 4] = [
     "--camera-view-angle=30",
 ];
 
-const GOLDEN: [Golden; 10] = [
+const GOLDEN: [Golden; 12] = [
     Golden {
         name: "lecture-block",
         model: "lecture-block.obj",
-        args: &BLOCK,
+        args: &[
+            BLOCK[0],
+            BLOCK[1],
+            BLOCK[2],
+            BLOCK[3],
+            "--integrator=direct",
+        ],
         layers: &[],
     },
     Golden {
         name: "lecture-objects",
         model: "lecture-objects.gltf",
-        args: &OBJECTS,
+        args: &[
+            OBJECTS[0],
+            OBJECTS[1],
+            OBJECTS[2],
+            OBJECTS[3],
+            "--integrator=direct",
+        ],
         layers: &[],
+    },
+    Golden {
+        name: "lecture-objects-path",
+        model: "lecture-objects.gltf",
+        args: &[
+            OBJECTS[0],
+            OBJECTS[1],
+            OBJECTS[2],
+            OBJECTS[3],
+            "--integrator=path",
+        ],
+        layers: &COLOR,
+    },
+    Golden {
+        name: "lecture-objects-whitted",
+        model: "lecture-objects.gltf",
+        args: &[
+            OBJECTS[0],
+            OBJECTS[1],
+            OBJECTS[2],
+            OBJECTS[3],
+            "--integrator=whitted",
+        ],
+        layers: &COLOR,
     },
     Golden {
         name: "cornell-box",
@@ -68,6 +104,7 @@ const GOLDEN: [Golden; 10] = [
             "--camera-focal-point=278,273,0",
             "--camera-view-up=0,1,0",
             "--camera-view-angle=39.3",
+            "--integrator=direct",
         ],
         layers: &[],
     },

@@ -33,8 +33,7 @@ impl DisplayArgs {
         integrator: Integrator,
         overlay: Option<&Overlay>,
     ) -> Raster {
-        let is_light = matches!(integrator, Integrator::Direct);
-        let tonemap = self.tonemap.unwrap_or(if is_light {
+        let tonemap = self.tonemap.unwrap_or(if integrator.computes_light() {
             ToneMap::PbrNeutral
         } else {
             ToneMap::Clip

@@ -6,7 +6,7 @@ use std::time::Instant;
 use anyhow::{Context, bail};
 use bspray::accel::AcceleratorKind;
 use bspray::accel::bsp::polygon::SceneTrees;
-use bspray::render::{Integrator, PixelFilter, PixelRect, RenderOptions, SkyMode};
+use bspray::render::{Integrator, LightSearch, PixelFilter, PixelRect, RenderOptions, SkyMode};
 use bspray::scene::Scene;
 use clap::{Args, ValueEnum};
 
@@ -52,8 +52,14 @@ pub(super) struct RenderArgs {
     #[command(flatten)]
     pub(super) extents: ExtentArgs,
     /// How colours come about
-    #[arg(long, value_enum, value_name = "NAME", default_value_t = IntegratorName::Direct)]
+    #[arg(long, value_enum, value_name = "NAME", default_value_t = IntegratorName::Path)]
     integrator: IntegratorName,
+    /// Bounces of light: the greatest depth of a ray for `path` and `whitted`; eye rays are level 0, 1 is direct light alone
+    #[arg(long, value_name = "N", default_value_t = 8, value_parser = clap::value_parser!(u32).range(0..=values::MOST_DEPTH))]
+    max_depth: u32,
+    /// How `path` finds lights that have a size; all ways have the same mean
+    #[arg(long, value_enum, value_name = "WAY", default_value_t = SearchName::Both)]
+    light_search: SearchName,
     /// Add the layers `fragment` and `bsp-depth` of the polygon BSP to .exr files; their integrators do so anyway
     #[arg(long)]
     bsp_layers: bool,
@@ -101,6 +107,10 @@ pub(super) struct RenderArgs {
 
 #[derive(Clone, Copy, Debug, ValueEnum)]
 enum IntegratorName {
+    /// Path tracing: light by any number of bounces, with all lobes of the materials
+    Path,
+    /// The lecture's ray tracing: shadow, mirror and refraction rays down to a recursion level (--max-depth)
+    Whitted,
     /// Light that reaches matt surfaces directly, with shadows
     Direct,
     /// Ambient occlusion
@@ -109,10 +119,38 @@ enum IntegratorName {
     Normals,
     /// Grey where a front faces the eye, red where a back does
     Facing,
+    /// The base colour
+    Albedo,
+    /// Texture coordinates: their fractions as red and green
+    Uv,
+    /// A colour for each instance
+    Id,
+    /// Heat map of the steps (nodes, leaves, triangles, extents) that eye rays take: violet for 1, yellow for 1024, by the logarithm
+    Cost,
     /// A colour for each fragment of the polygon BSP (--bsp-order, --bsp-merge)
     Fragment,
     /// How deep in the polygon BSP a fragment is: violet for the root, yellow for the deepest node
     BspDepth,
+}
+
+#[derive(Clone, Copy, Debug, ValueEnum)]
+enum SearchName {
+    /// Both of the others, weighed by their densities: multiple importance sampling
+    Both,
+    /// Rays to points of lights: next-event estimation
+    Lights,
+    /// The path's own rays, chosen by how the surface scatters
+    Surfaces,
+}
+
+impl From<SearchName> for LightSearch {
+    fn from(name: SearchName) -> Self {
+        match name {
+            SearchName::Both => Self::Both,
+            SearchName::Lights => Self::Lights,
+            SearchName::Surfaces => Self::Surfaces,
+        }
+    }
 }
 
 #[derive(Clone, Copy, Debug, ValueEnum)]
@@ -252,6 +290,13 @@ impl RenderArgs {
 
 fn integrator(args: &RenderArgs, scene: &Scene) -> Integrator {
     match args.integrator {
+        IntegratorName::Path => Integrator::Path {
+            max_depth: args.max_depth,
+            search: args.light_search.into(),
+        },
+        IntegratorName::Whitted => Integrator::Whitted {
+            max_depth: args.max_depth,
+        },
         IntegratorName::Direct => Integrator::Direct,
         IntegratorName::Ao => Integrator::Ao {
             distance: args
@@ -260,6 +305,10 @@ fn integrator(args: &RenderArgs, scene: &Scene) -> Integrator {
         },
         IntegratorName::Normals => Integrator::Normals,
         IntegratorName::Facing => Integrator::Facing,
+        IntegratorName::Albedo => Integrator::Albedo,
+        IntegratorName::Uv => Integrator::Uv,
+        IntegratorName::Id => Integrator::Id,
+        IntegratorName::Cost => Integrator::Cost,
         IntegratorName::Fragment => Integrator::Fragment,
         IntegratorName::BspDepth => Integrator::BspDepth,
     }

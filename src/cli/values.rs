@@ -15,6 +15,9 @@ pub(super) const MOST_FRAMES: i64 = 100_000;
 /// Most pixels that are rendered at once: with all layers they take some 200 bytes each. Larger pictures come in crops.
 pub(super) const MOST_PIXELS: u64 = 1 << 26;
 
+/// Most bounces that can be asked for: the recursion of `whitted` stays within a thread's stack.
+pub(super) const MOST_DEPTH: i64 = 256;
+
 /// Most samples a pixel: beyond them sums in single precision no longer grow.
 pub(super) const MOST_SAMPLES: i64 = 1 << 20;
 

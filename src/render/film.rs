@@ -113,6 +113,7 @@ impl PixelSum {
             color: self.color * share,
             alpha: self.alpha * share,
             backdrop: self.backdrop * share,
+            ..Sample::default()
         }
     }
 }

@@ -5,11 +5,13 @@
 //! crop do not change a bit of the picture.
 
 mod aov;
+pub mod bsdf;
 mod film;
 mod filter;
 mod framing;
 mod integrator;
 mod lights;
+mod lobes;
 mod overlay;
 mod partition;
 mod sampler;
@@ -27,7 +29,7 @@ pub use aov::{LAYERS, Layer, NOTHING, PARTITION_LAYERS, layers};
 pub use film::{Film, FirstHit, PixelRect, PixelSum};
 pub use filter::PixelFilter;
 pub use framing::{CameraWishes, DEFAULT_VIEW_ANGLE, frame_scene};
-pub use integrator::{Integrator, Sample};
+pub use integrator::{Integrator, LightSearch, MOST_STEPS, Sample};
 pub use lights::Lights;
 pub use overlay::{Overlay, OverlayOptions, OverlayReport};
 pub use partition::FragmentPoint;
@@ -159,10 +161,10 @@ impl PixelRenderer<'_> {
 
     /// What the ray through a pixel's centre meets first. Places where a material's alpha is zero do not count.
     pub fn first_hit(&self, tracer: &mut Tracer, x: u32, y: u32) -> Option<FirstHit> {
-        let ray = self
-            .camera
-            .ray(f64::from(x) + 0.5, f64::from(y) + 0.5, Some((x, y)));
-        let (surface, material) = integrator::first_visible(self.stage, tracer, ray)?;
+        let (x_center, y_center) = (f64::from(x) + 0.5, f64::from(y) + 0.5);
+        let mut ray = self.camera.ray(x_center, y_center, Some((x, y)));
+        let (surface, material) =
+            integrator::first_visible(self.stage, tracer, &mut ray, RayKind::Eye)?;
         Some(FirstHit {
             hit: surface.hit,
             material: surface.material,

@@ -1,7 +1,11 @@
 //! The scene made ready for shading: what instances, lights and materials need worked out once before the first ray.
 
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
 use glam::{DMat3, Vec3};
 
+use super::bsdf::GlassEnergy;
 use super::lights::{Lights, has_directional};
 use crate::accel::bsp::polygon::SceneTrees;
 use crate::accel::{Accelerator, TestSpaces};
@@ -35,11 +39,15 @@ pub struct Stage<'a> {
     pub diagonal: f32,
     /// Whether any material has alpha, so that hits must be looked at before they block light.
     pub has_alpha: bool,
+    /// Whether light passes any material.
+    pub(super) has_transmission: bool,
     /// The polygon BSPs of the scene, for pictures that show them.
     pub trees: Option<&'a SceneTrees>,
     /// Greatest depth of their nodes: 0 for a root alone.
     pub(super) deepest_node: u32,
     pub(super) instances: Vec<StagedInstance>,
+    /// For each material into which light enters, what its interface loses.
+    pub(super) glass: Vec<Option<Arc<GlassEnergy>>>,
 }
 
 /// What is worked out for each instance.
@@ -100,9 +108,11 @@ impl<'a> Stage<'a> {
             lights: Lights::new(scene, &instances, sky),
             diagonal: scene.bounds().diagonal(),
             has_alpha: scene.materials.iter().any(|m| m.has_alpha()),
+            has_transmission: scene.materials.iter().any(|m| m.transmission.is_some()),
             trees: None,
             deepest_node: 0,
             instances,
+            glass: glass(scene),
         }
     }
 
@@ -115,4 +125,17 @@ impl<'a> Stage<'a> {
             ..self
         }
     }
+}
+
+/// For each material into which light enters, the tables of its index of refraction.
+fn glass(scene: &Scene) -> Vec<Option<Arc<GlassEnergy>>> {
+    let mut tables = BTreeMap::new();
+    let mut table = |ior: f32| {
+        let table = tables.entry(ior.to_bits());
+        Arc::clone(table.or_insert_with(|| Arc::new(GlassEnergy::new(ior))))
+    };
+    let materials = scene.materials.iter();
+    materials
+        .map(|m| m.is_solid().then(|| table(m.ior)))
+        .collect()
 }

@@ -129,28 +129,14 @@ impl Surface {
 
     /// The material's values here.
     pub fn material_point(&self, stage: &Stage) -> MaterialPoint {
-        let scene = stage.scene;
-        let material: &Material = &scene.materials[self.material as usize];
-        let texel = |texture: &Option<TextureRef>, space| {
-            texture.map_or(Vec4::ONE, |t| {
-                lookup(scene, &t, self.uv_of(stage, &t), space)
-            })
-        };
-        let mut color = material.base_color * texel(&material.base_color_texture, ColorSpace::Srgb);
-        color *= self.vertex_color(stage);
-        if let Some(opacity) = material.opacity {
-            let texel = texel(&Some(opacity.texture), ColorSpace::Linear);
-            color.w *= opacity.channel.of(texel);
-        }
-        let alpha = match material.alpha_mode {
-            AlphaMode::Opaque => 1.0,
-            AlphaMode::Mask { cutoff } => f32::from(u8::from(color.w >= cutoff)),
-            AlphaMode::Blend => color.w.clamp(0.0, 1.0),
-        };
+        let material = self.material(stage);
+        let color = self.color(stage, material);
+        let alpha = alpha_of(material, color);
         let emission = if material.emissive == Vec3::ZERO {
             Vec3::ZERO
         } else {
-            material.emissive * texel(&material.emissive_texture, ColorSpace::Srgb).truncate()
+            let texel = self.texel(stage, material.emissive_texture, ColorSpace::Srgb);
+            material.emissive * texel.truncate()
         };
         MaterialPoint {
             base_color: color.truncate(),
@@ -158,6 +144,44 @@ impl Surface {
             emission,
             is_unlit: material.unlit,
         }
+    }
+
+    /// The share of the light that the surface stops here, as in [`MaterialPoint`].
+    pub(super) fn alpha(&self, stage: &Stage) -> f32 {
+        let material = self.material(stage);
+        if material.has_alpha() {
+            alpha_of(material, self.color(stage, material))
+        } else {
+            1.0
+        }
+    }
+
+    pub(super) fn material<'s>(&self, stage: &Stage<'s>) -> &'s Material {
+        &stage.scene.materials[self.material as usize]
+    }
+
+    /// A texture's value here; white where there is none.
+    pub(super) fn texel(
+        &self,
+        stage: &Stage,
+        texture: Option<TextureRef>,
+        space: ColorSpace,
+    ) -> Vec4 {
+        texture.map_or(Vec4::ONE, |t| {
+            lookup(stage.scene, &t, self.uv_of(stage, &t), space)
+        })
+    }
+
+    /// Colour and alpha with textures and vertex colours.
+    fn color(&self, stage: &Stage, material: &Material) -> Vec4 {
+        let mut color = material.base_color
+            * self.texel(stage, material.base_color_texture, ColorSpace::Srgb)
+            * self.vertex_color(stage);
+        if let Some(opacity) = material.opacity {
+            let texel = self.texel(stage, Some(opacity.texture), ColorSpace::Linear);
+            color.w *= opacity.channel.of(texel);
+        }
+        color
     }
 
     fn uv_of(&self, stage: &Stage, texture: &TextureRef) -> Vec2 {
@@ -185,5 +209,13 @@ impl Surface {
         let [a, b, c] = mesh.triangles[self.hit.triangle as usize].map(|v| mesh.colors[v as usize]);
         let (u, v) = self.barycentric;
         a * (1.0 - u - v) + b * u + c * v
+    }
+}
+
+fn alpha_of(material: &Material, color: Vec4) -> f32 {
+    match material.alpha_mode {
+        AlphaMode::Opaque => 1.0,
+        AlphaMode::Mask { cutoff } => f32::from(u8::from(color.w >= cutoff)),
+        AlphaMode::Blend => color.w.clamp(0.0, 1.0),
     }
 }

@@ -14,6 +14,12 @@ pub enum RayKind {
     Shadow,
     /// Into the surroundings, for ambient occlusion.
     Ambient,
+    /// From a mirror, smooth or rough.
+    Reflection,
+    /// Through a surface.
+    Refraction,
+    /// From a matt surface.
+    Diffuse,
 }
 
 impl RayKind {
@@ -23,6 +29,9 @@ impl RayKind {
             Self::Eye => "eye",
             Self::Shadow => "shadow",
             Self::Ambient => "ambient",
+            Self::Reflection => "reflection",
+            Self::Refraction => "refraction",
+            Self::Diffuse => "diffuse",
         }
     }
 }
@@ -36,12 +45,18 @@ pub struct RayCounts {
     pub shadow: u64,
     /// For ambient occlusion.
     pub ambient: u64,
+    /// From mirrors.
+    pub reflection: u64,
+    /// Through surfaces.
+    pub refraction: u64,
+    /// From matt surfaces.
+    pub diffuse: u64,
 }
 
 impl RayCounts {
     /// All of them.
     pub fn total(&self) -> u64 {
-        self.eye + self.shadow + self.ambient
+        self.eye + self.shadow + self.ambient + self.reflection + self.refraction + self.diffuse
     }
 }
 
@@ -50,6 +65,9 @@ impl AddAssign for RayCounts {
         self.eye += other.eye;
         self.shadow += other.shadow;
         self.ambient += other.ambient;
+        self.reflection += other.reflection;
+        self.refraction += other.refraction;
+        self.diffuse += other.diffuse;
     }
 }
 
@@ -121,6 +139,9 @@ impl<'a> Tracer<'a> {
             RayKind::Eye => &mut self.rays.eye,
             RayKind::Shadow => &mut self.rays.shadow,
             RayKind::Ambient => &mut self.rays.ambient,
+            RayKind::Reflection => &mut self.rays.reflection,
+            RayKind::Refraction => &mut self.rays.refraction,
+            RayKind::Diffuse => &mut self.rays.diffuse,
         } += 1;
         if let Some(record) = &mut self.record {
             record.push(TracedRay {

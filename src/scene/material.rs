@@ -279,6 +279,12 @@ impl Material {
             .chain(self.bump.iter_mut().map(|b| &mut b.texture))
     }
 
+    /// Whether light that passes the surface enters a medium and is bent. Else a surface that light passes is a thin wall.
+    pub fn is_solid(&self) -> bool {
+        let passes = self.transmission.is_some_and(|t| t.factor > 0.0);
+        passes && self.ior >= 1.0 && self.volume.is_some_and(|v| v.thickness > 0.0)
+    }
+
     /// Whether a ray can pass a surface of this material without being refracted: its alpha counts.
     pub fn has_alpha(&self) -> bool {
         self.alpha_mode != AlphaMode::Opaque

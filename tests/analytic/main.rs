@@ -2,6 +2,7 @@
 
 mod coverage;
 mod light;
+mod paths;
 #[path = "../support/scenes.rs"]
 mod scenes;
 mod setup;

@@ -259,7 +259,10 @@ const USAGE: &[(&[&str], &str)] = &[
         &["render", "BLOCK", "--accel=octree"],
         "bvh2, cwbvh, extents, linear",
     ),
-    (&["render", "BLOCK", "--integrator=path"], "--integrator"),
+    (
+        &["render", "BLOCK", "--integrator=bidirectional"],
+        "--integrator",
+    ),
     (&["render", "BLOCK", "--ao-distance=0"], "--ao-distance"),
     (&["render", "BLOCK", "--filter=gauss"], "--filter"),
     (&["render", "BLOCK", "--tonemap=filmic"], "--tonemap"),

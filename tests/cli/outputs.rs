@@ -68,7 +68,7 @@ fn an_exr_holds_every_layer_and_how_it_was_made() {
         format!("bspray {}", text("bspray/version"))
     );
     assert_eq!(text("bspray/accelerator"), "cwbvh");
-    assert_eq!(text("bspray/integrator"), "direct");
+    assert_eq!(text("bspray/integrator"), "path");
     assert_eq!(text("bspray/seed"), "7");
     assert!(text("bspray/commandLine").ends_with("--accel=cwbvh --output 'with space.exr'"));
     assert!(

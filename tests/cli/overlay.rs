@@ -52,7 +52,20 @@ fn an_overlay_is_a_layer_beside_an_untouched_beauty() {
 
 #[test]
 fn every_integrator_can_be_drawn_over_and_nothing_else_changes() {
-    for integrator in ["direct", "ao", "normals", "facing", "fragment", "bsp-depth"] {
+    for integrator in [
+        "path",
+        "whitted",
+        "direct",
+        "ao",
+        "normals",
+        "facing",
+        "albedo",
+        "uv",
+        "id",
+        "cost",
+        "fragment",
+        "bsp-depth",
+    ] {
         let args = ["--integrator", integrator];
         let plain = picture(&args);
         assert!(

@@ -59,6 +59,7 @@ pub(super) fn shade(
                 direction,
                 target: None,
                 irradiance: Vec3::ZERO,
+                density: f32::INFINITY,
             };
             let shadow = shadow_ray_to(surface, &incident, depth);
             // The density, cosine over pi, cancels the cosine and leaves pi.

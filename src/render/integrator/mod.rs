@@ -3,8 +3,13 @@
 mod ambient;
 mod direct;
 mod geometry;
+mod media;
+mod path;
+mod plain;
+mod whitted;
 
 pub(super) use direct::shadow_ray_to;
+pub use plain::MOST_STEPS;
 
 use glam::Vec3;
 
@@ -18,6 +23,18 @@ use crate::geometry::Ray;
 /// How colours come about.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Integrator {
+    /// Path tracing: light by any number of bounces.
+    Path {
+        /// Bounces: the greatest depth of a ray, where eye rays have 0.
+        max_depth: u32,
+        /// How lights that have a size are found.
+        search: LightSearch,
+    },
+    /// Whitted's ray tracing, as the lecture has it: light from the lights, and what mirrors and glass show of other surfaces.
+    Whitted {
+        /// The lecture's recursion level: the greatest depth of a ray, where eye rays have 0.
+        max_depth: u32,
+    },
     /// Light that reaches a surface directly, with shadows; surfaces are matt (Lambert).
     Direct,
     /// Ambient occlusion: the share of the hemisphere above a surface that is free within a distance.
@@ -29,10 +46,30 @@ pub enum Integrator {
     Normals,
     /// How much the surface faces the eye: grey for fronts, red for backs.
     Facing,
+    /// The base colour.
+    Albedo,
+    /// Texture coordinates, their fractions as red and green.
+    Uv,
+    /// A colour for each instance.
+    Id,
+    /// The steps of traversal of an eye ray, from dark for one to bright for [`MOST_STEPS`], by their logarithm.
+    Cost,
     /// A colour for each fragment of the polygon BSP; grey if the stage has no trees.
     Fragment,
     /// How deep in the polygon BSP a fragment is, dark for the root; grey if the stage has no trees.
     BspDepth,
+}
+
+/// How a path finds lights that have a size. All ways have the same mean.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum LightSearch {
+    /// By rays to points of lights and by the path's own rays, weighed by their densities (multiple importance sampling).
+    #[default]
+    Both,
+    /// By rays to points of lights, where a surface is not a smooth mirror or lens (next-event estimation).
+    Lights,
+    /// By the path's own rays, chosen by how the surface scatters.
+    Surfaces,
 }
 
 /// What a sample of a pixel saw. Colours are linear radiance.
@@ -44,6 +81,52 @@ pub struct Sample {
     pub alpha: f32,
     /// Light from behind all surfaces, already multiplied by the share that they leave free.
     pub backdrop: Vec3,
+    /// The part of `color` that came to the eye from a light, or from one by way of one surface.
+    pub direct: Vec3,
+    /// The rest of `color`.
+    pub indirect: Vec3,
+    /// The share of light that surfaces scatter matt, multiplied by coverage.
+    pub diffuse_albedo: Vec3,
+    /// The share of light that surfaces mirror or let pass, multiplied by coverage.
+    pub specular_albedo: Vec3,
+    /// Shading normals in world space, multiplied by coverage.
+    pub normal: Vec3,
+}
+
+/// Light that leaves a surface, and what the surface is like.
+#[derive(Clone, Copy, Debug, Default)]
+struct Radiance {
+    total: Vec3,
+    direct: Vec3,
+    diffuse_albedo: Vec3,
+    specular_albedo: Vec3,
+    normal: Vec3,
+}
+
+impl Radiance {
+    /// A colour that no light makes.
+    fn plain(color: Vec3, surface: &Surface, material: &MaterialPoint) -> Self {
+        Self {
+            total: color,
+            direct: color,
+            diffuse_albedo: material.base_color,
+            specular_albedo: Vec3::ZERO,
+            normal: surface.shading_normal,
+        }
+    }
+}
+
+impl Sample {
+    /// Lays a surface that covers `share` of the pixel behind those so far.
+    fn add(&mut self, seen: &Radiance, share: f32) {
+        self.color += seen.total * share;
+        self.direct += seen.direct * share;
+        self.indirect += (seen.total - seen.direct) * share;
+        self.diffuse_albedo += seen.diffuse_albedo * share;
+        self.specular_albedo += seen.specular_albedo * share;
+        self.normal += seen.normal * share;
+        self.alpha += share;
+    }
 }
 
 /// Surfaces with alpha that one ray passes before the rest counts as covered. Real models stack a few leaves or panes; the
@@ -60,13 +143,27 @@ impl Integrator {
     /// The name on the command line and in reports.
     pub const fn name(&self) -> &'static str {
         match self {
+            Self::Path { .. } => "path",
+            Self::Whitted { .. } => "whitted",
             Self::Direct => "direct",
             Self::Ao { .. } => "ao",
             Self::Normals => "normals",
             Self::Facing => "facing",
+            Self::Albedo => "albedo",
+            Self::Uv => "uv",
+            Self::Id => "id",
+            Self::Cost => "cost",
             Self::Fragment => "fragment",
             Self::BspDepth => "bsp-depth",
         }
+    }
+
+    /// Whether its colours are light, which a camera would see.
+    pub const fn computes_light(&self) -> bool {
+        matches!(
+            self,
+            Self::Path { .. } | Self::Whitted { .. } | Self::Direct
+        )
     }
 
     /// Whether the stage must have the scene's polygon BSPs.
@@ -86,16 +183,14 @@ impl Integrator {
         let mut ray = ray;
         for _ in 0..MOST_LAYERS {
             let Some(hit) = tracer.closest(&ray, RayKind::Eye) else {
-                sample.backdrop = self.backdrop(stage, ray.direction) * (1.0 - sample.alpha);
+                sample.backdrop = self.backdrop(stage, &ray) * (1.0 - sample.alpha);
                 return sample;
             };
             let surface = Surface::at(stage, &ray, hit);
             let material = surface.material_point(stage);
             if material.alpha > 0.0 {
-                let color = self.shade(stage, tracer, &ray, &surface, &material, sampler);
-                let share = material.alpha * (1.0 - sample.alpha);
-                sample.color += color * share;
-                sample.alpha += share;
+                let seen = self.shade(stage, tracer, &ray, &surface, &material, sampler);
+                sample.add(&seen, material.alpha * (1.0 - sample.alpha));
             }
             if 1.0 - sample.alpha < NEARLY_OPAQUE {
                 break;
@@ -114,42 +209,57 @@ impl Integrator {
         surface: &Surface,
         material: &MaterialPoint,
         sampler: &mut Sampler,
-    ) -> Vec3 {
-        match *self {
+    ) -> Radiance {
+        let color = match *self {
+            Self::Path { max_depth, search } => {
+                let limits = path::Limits { max_depth, search };
+                return path::shade(stage, tracer, ray, surface, material, sampler, limits);
+            }
+            Self::Whitted { max_depth } => {
+                return whitted::shade(stage, tracer, ray, surface, material, sampler, max_depth);
+            }
             Self::Direct => direct::shade(stage, tracer, ray, surface, material, sampler),
             Self::Ao { distance } => ambient::shade(stage, tracer, ray, surface, distance, sampler),
             Self::Normals => geometry::normals(surface),
             Self::Facing => geometry::facing(ray, surface),
+            Self::Albedo => material.base_color,
+            Self::Uv => plain::uv(surface),
+            Self::Id => plain::id(surface),
+            Self::Cost => plain::cost(stage, ray),
             Self::Fragment => partition::fragment(stage, ray, surface),
             Self::BspDepth => partition::depth(stage, ray, surface),
-        }
+        };
+        Radiance::plain(color, surface, material)
     }
 
-    fn backdrop(&self, stage: &Stage, direction: Vec3) -> Vec3 {
-        match self {
-            Self::Direct => stage.lights.sky().map_or(Vec3::ZERO, |sky| {
-                sky.radiance(direction.normalize_or(Vec3::Y))
-            }),
-            _ => BACKDROP,
+    fn backdrop(&self, stage: &Stage, ray: &Ray) -> Vec3 {
+        if !self.computes_light() {
+            return match self {
+                Self::Cost => plain::cost(stage, ray),
+                _ => BACKDROP,
+            };
         }
+        let direction = ray.direction.normalize_or(Vec3::Y);
+        let sky = stage.lights.sky();
+        sky.map_or(Vec3::ZERO, |sky| sky.radiance(direction))
     }
 }
 
-/// The first surface along a ray that is there at all: its alpha is not zero.
+/// The first surface along a ray that is there at all: its alpha is not zero. The ray is left as the one that met it.
 pub(super) fn first_visible(
     stage: &Stage,
     tracer: &mut Tracer,
-    ray: Ray,
+    ray: &mut Ray,
+    kind: RayKind,
 ) -> Option<(Surface, MaterialPoint)> {
-    let mut ray = ray;
     for _ in 0..MOST_LAYERS {
-        let hit = tracer.closest(&ray, RayKind::Eye)?;
-        let surface = Surface::at(stage, &ray, hit);
+        let hit = tracer.closest(ray, kind)?;
+        let surface = Surface::at(stage, ray, hit);
         let material = surface.material_point(stage);
         if material.alpha > 0.0 {
             return Some((surface, material));
         }
-        ray = ray.behind(hit.t, (hit.instance, hit.triangle));
+        *ray = ray.behind(hit.t, (hit.instance, hit.triangle));
     }
     None
 }
@@ -165,7 +275,7 @@ fn visibility(stage: &Stage, tracer: &mut Tracer, ray: Ray, kind: RayKind) -> f3
         let Some(hit) = tracer.closest(&ray, kind) else {
             return visibility;
         };
-        visibility *= 1.0 - Surface::at(stage, &ray, hit).material_point(stage).alpha;
+        visibility *= 1.0 - Surface::at(stage, &ray, hit).alpha(stage);
         if visibility < NEARLY_OPAQUE {
             return 0.0;
         }
