@@ -10,12 +10,15 @@ mod filter;
 mod framing;
 mod integrator;
 mod lights;
+mod mipmap;
 mod overlay;
 mod partition;
+mod ray_cone;
 mod sampler;
 mod secondary;
 mod stage;
 mod surface;
+mod texel;
 mod texture;
 mod tracer;
 
@@ -31,10 +34,12 @@ pub use integrator::{Integrator, Sample};
 pub use lights::Lights;
 pub use overlay::{Overlay, OverlayOptions, OverlayReport};
 pub use partition::FragmentPoint;
+pub use ray_cone::{RayCone, uv_per_length};
 pub use sampler::Sampler;
 pub use secondary::{hemisphere_ray, shadow_ray};
 pub use stage::{SkyMode, Stage};
 pub use surface::{MaterialPoint, Surface};
+pub use texture::Textures;
 pub use tracer::{Answer, RayCounts, RayKind, TracedRay, Tracer};
 
 use crate::scene::CameraFrame;

@@ -3,6 +3,7 @@
 use glam::{DMat3, Vec3};
 
 use super::lights::{Lights, has_directional};
+use super::texture::Textures;
 use crate::accel::bsp::polygon::SceneTrees;
 use crate::accel::{Accelerator, TestSpaces};
 use crate::geometry::Triangle;
@@ -31,6 +32,8 @@ pub struct Stage<'a> {
     pub accelerator: &'a dyn Accelerator,
     /// Everything that sends light.
     pub lights: Lights,
+    /// Levels of detail of the scene's images.
+    pub textures: Textures,
     /// Length of the diagonal of the scene's box, in model units.
     pub diagonal: f32,
     /// Whether any material has alpha, so that hits must be looked at before they block light.
@@ -98,6 +101,7 @@ impl<'a> Stage<'a> {
             scene,
             accelerator,
             lights: Lights::new(scene, &instances, sky),
+            textures: Textures::new(scene),
             diagonal: scene.bounds().diagonal(),
             has_alpha: scene.materials.iter().any(|m| m.has_alpha()),
             trees: None,
