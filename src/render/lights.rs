@@ -87,6 +87,18 @@ impl Lights {
         }
     }
 
+    /// Our own sun, if it shines: the direction to it, its radius in degrees, and its irradiance on a surface across.
+    pub(super) fn sun_disc(&self) -> Option<(Vec3, f64, Vec3)> {
+        let sun = self.sun?;
+        Some((sun.direction, SUN_RADIUS, sun.irradiance))
+    }
+
+    /// Takes our own sky and its sun away.
+    pub(super) fn remove_sky(&mut self) {
+        self.sky = None;
+        self.sun = None;
+    }
+
     /// The sky, if there is one.
     pub fn sky(&self) -> Option<&Sky> {
         self.sky.as_ref()

@@ -5,6 +5,7 @@
 //! crop do not change a bit of the picture.
 
 mod aov;
+mod environment;
 mod film;
 mod filter;
 mod framing;
@@ -27,6 +28,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use rayon::prelude::*;
 
 pub use aov::{LAYERS, Layer, NOTHING, PARTITION_LAYERS, layers};
+pub use environment::{Daylight, Environment, EnvironmentSample};
 pub use film::{Film, FirstHit, PixelRect, PixelSum};
 pub use filter::PixelFilter;
 pub use framing::{CameraWishes, DEFAULT_VIEW_ANGLE, frame_scene};

@@ -2,6 +2,7 @@
 
 use glam::{DMat3, Vec3};
 
+use super::environment::Environment;
 use super::lights::{Lights, has_directional};
 use super::texture::Textures;
 use crate::accel::bsp::polygon::SceneTrees;
@@ -32,6 +33,10 @@ pub struct Stage<'a> {
     pub accelerator: &'a dyn Accelerator,
     /// Everything that sends light.
     pub lights: Lights,
+    /// Light from infinitely far: our own sky and its sun, unless another one was given.
+    pub environment: Option<Environment>,
+    /// Whether the environment is only seen where it lights: the picture is transparent behind all surfaces.
+    pub hides_environment: bool,
     /// Levels of detail of the scene's images.
     pub textures: Textures,
     /// Length of the diagonal of the scene's box, in model units.
@@ -97,16 +102,43 @@ impl<'a> Stage<'a> {
             SkyMode::Off => false,
         };
         let sky = wants_sky.then(|| Sky::daylight(up.normalize_or(Vec3::Y)));
+        let lights = Lights::new(scene, &instances, sky);
+        let environment = sky.map(|sky| Environment::studio(sky, lights.sun_disc()));
         Self {
             scene,
             accelerator,
-            lights: Lights::new(scene, &instances, sky),
+            environment,
+            hides_environment: false,
+            lights,
             textures: Textures::new(scene),
             diagonal: scene.bounds().diagonal(),
             has_alpha: scene.materials.iter().any(|m| m.has_alpha()),
             trees: None,
             deepest_node: 0,
             instances,
+        }
+    }
+
+    /// With another environment in place of our own sky and its sun.
+    #[must_use]
+    pub fn with_environment(mut self, environment: Environment) -> Self {
+        self.lights.remove_sky();
+        self.environment = Some(environment);
+        self
+    }
+
+    /// With a transparent backdrop: the environment lights, but the eye does not see it.
+    #[must_use]
+    pub fn without_backdrop(mut self) -> Self {
+        self.hides_environment = true;
+        self
+    }
+
+    /// What the eye sees in a direction (unit) in which there is nothing.
+    pub(super) fn backdrop(&self, direction: Vec3) -> Vec3 {
+        match &self.environment {
+            Some(environment) if !self.hides_environment => environment.backdrop(direction),
+            _ => Vec3::ZERO,
         }
     }
 

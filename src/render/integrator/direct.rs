@@ -65,6 +65,15 @@ pub(super) fn shade(
             let visible = visibility(stage, tracer, shadow, RayKind::Shadow);
             irradiance += sky.radiance(direction) * (std::f32::consts::PI * visible);
         }
+    } else if let Some(environment) = &stage.environment
+        && let Some(light) = environment.sample(sampler.next_2d())
+    {
+        let incident = Incident {
+            direction: light.direction,
+            target: None,
+            irradiance: light.radiance / light.density,
+        };
+        add(tracer, incident);
     }
     material.emission + material.base_color * irradiance * FRAC_1_PI
 }

@@ -127,9 +127,8 @@ impl Integrator {
 
     fn backdrop(&self, stage: &Stage, direction: Vec3) -> Vec3 {
         match self {
-            Self::Direct => stage.lights.sky().map_or(Vec3::ZERO, |sky| {
-                sky.radiance(direction.normalize_or(Vec3::Y))
-            }),
+            Self::Direct => stage.backdrop(direction.normalize_or(Vec3::Y)),
+            _ if stage.hides_environment => Vec3::ZERO,
             _ => BACKDROP,
         }
     }
