@@ -1,5 +1,7 @@
 //! The scene made ready for shading: what instances, lights and materials need worked out once before the first ray.
 
+use std::sync::Arc;
+
 use glam::{DMat3, Vec3};
 
 use super::environment::Environment;
@@ -34,7 +36,7 @@ pub struct Stage<'a> {
     /// Everything that sends light.
     pub lights: Lights,
     /// Light from infinitely far: our own sky and its sun, unless another one was given.
-    pub environment: Option<Environment>,
+    pub environment: Option<Arc<Environment>>,
     /// Whether the environment is only seen where it lights: the picture is transparent behind all surfaces.
     pub hides_environment: bool,
     /// Levels of detail of the scene's images.
@@ -103,7 +105,7 @@ impl<'a> Stage<'a> {
         };
         let sky = wants_sky.then(|| Sky::daylight(up.normalize_or(Vec3::Y)));
         let lights = Lights::new(scene, &instances, sky);
-        let environment = sky.map(|sky| Environment::studio(sky, lights.sun_disc()));
+        let environment = sky.map(|sky| Arc::new(Environment::studio(sky, lights.sun_disc())));
         Self {
             scene,
             accelerator,
@@ -121,7 +123,7 @@ impl<'a> Stage<'a> {
 
     /// With another environment in place of our own sky and its sun.
     #[must_use]
-    pub fn with_environment(mut self, environment: Environment) -> Self {
+    pub fn with_environment(mut self, environment: Arc<Environment>) -> Self {
         self.lights.remove_sky();
         self.environment = Some(environment);
         self

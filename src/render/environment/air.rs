@@ -14,6 +14,10 @@ const TOP_RADIUS: f64 = 6460.0;
 /// Height of the eye, above the roughness of rounding.
 pub(super) const EYE_HEIGHT: f64 = 0.01;
 
+/// Share of the light that the ground sends back.
+pub(super) const GROUND_ALBEDO: f64 = 0.3;
+
+/// Scattering of air at sea level.
 const RAYLEIGH: DVec3 = DVec3::new(5.802e-3, 13.558e-3, 33.1e-3);
 /// Heights over which air and haze fall to 1 / e.
 const RAYLEIGH_HEIGHT: f64 = 8.0;
@@ -73,12 +77,16 @@ impl Air {
     /// The share of light that gets from `radius` to the end of the air, in a direction of a `cosine` to the zenith: nothing
     /// through the ground.
     pub(super) fn transmittance(&self, radius: f64, cosine: f64) -> DVec3 {
-        if distance_to_ground(radius, cosine).is_some() {
-            return DVec3::ZERO;
+        match distance_to_ground(radius, cosine) {
+            Some(_) => DVec3::ZERO,
+            None => self.transmittance_past_ground(radius, cosine),
         }
+    }
+
+    fn transmittance_past_ground(&self, radius: f64, cosine: f64) -> DVec3 {
         let length = distance_to_top(radius, cosine);
         let n = 64;
-        let place = |i: f64| length * (i / f64::from(n)).powi(2);
+        let place = |i: f64| length * square(i / f64::from(n));
         let depth = (0..n).fold(DVec3::ZERO, |sum, i| {
             let (from, to) = (place(f64::from(i)), place(f64::from(i + 1)));
             let t = (from + to) / 2.0;
@@ -91,8 +99,8 @@ impl Air {
     pub(super) fn tables(&self) -> Tables {
         let transmittance = Table::new(TRANSMITTANCE_SIZE, |radius, cosine| {
             // Where the ground is in the way, the value at the horizon goes on, so that no mix of entries has a step.
-            let horizon = -(1.0 - (GROUND_RADIUS / radius).powi(2)).max(0.0).sqrt() + 1e-6;
-            self.transmittance(radius, cosine.max(horizon))
+            let horizon = -(1.0 - square(GROUND_RADIUS / radius)).max(0.0).sqrt();
+            self.transmittance_past_ground(radius, cosine.max(horizon))
         });
         let further = Table::new(FURTHER_SIZE, |radius, cosine| {
             self.further(&transmittance, radius, cosine)
@@ -130,7 +138,7 @@ impl Air {
                 }
             };
             for step in 0..STEPS {
-                let place = |i: u32| length * (f64::from(i) / f64::from(STEPS)).powi(2);
+                let place = |i: u32| length * square(f64::from(i) / f64::from(STEPS));
                 let (from, to) = (place(step), place(step + 1));
                 let point = DVec3::Y * radius + view * ((from + to) / 2.0);
                 let (by_air, by_haze, extinction) = self.at(point.length());
@@ -141,10 +149,10 @@ impl Air {
                 left *= through;
             }
             if let Some(length) = ground {
-                // A ground that sends back what ours does.
-                let point = (DVec3::Y * radius + view * length).normalize() * GROUND_RADIUS;
-                let lit = point.dot(sun).max(0.0) / GROUND_RADIUS;
-                second += left * sunlight(point * (1.0 + 1e-9)) * (lit * 0.3 / PI);
+                let normal = (DVec3::Y * radius + view * length).normalize();
+                let lit = normal.dot(sun).max(0.0);
+                let light = sunlight(normal * (GROUND_RADIUS + EYE_HEIGHT));
+                second += left * light * (lit * GROUND_ALBEDO / PI);
             }
         }
         let sides = f64::from(ALL_SIDES * ALL_SIDES);
@@ -171,7 +179,7 @@ impl Table {
         let share = |i: usize, n: usize| i as f64 / (n - 1) as f64;
         let entry = |i: usize| {
             // Dense at the ground, and at the horizon.
-            let height = share(i / columns, rows).powi(2);
+            let height = square(share(i / columns, rows));
             let side = 2.0 * share(i % columns, columns) - 1.0;
             let radius = GROUND_RADIUS + EYE_HEIGHT + height * (TOP_RADIUS - GROUND_RADIUS - 0.02);
             value(radius, side * side.abs())
@@ -226,6 +234,12 @@ pub(super) fn mie_phase(cosine: f64) -> f64 {
     scale * (1.0 + cosine * cosine) / (base * base.sqrt())
 }
 
+/// The square of a number.
+pub(super) fn square(x: f64) -> f64 {
+    x * x
+}
+
+/// Of each part.
 pub(super) fn exp(v: DVec3) -> DVec3 {
     DVec3::new(libm::exp(v.x), libm::exp(v.y), libm::exp(v.z))
 }
@@ -249,7 +263,7 @@ mod tests {
         // The integrals of the exponentials and of the tent.
         let haze = 13.558e-3 * 8.0;
         let expected = 13.558e-3 * 8.0 + haze + 1.881e-3 * 15.0;
-        let found = -Air::new(2.0).transmittance(GROUND_RADIUS, 1.0).y.ln();
+        let found = -libm::log(Air::new(2.0).transmittance(GROUND_RADIUS, 1.0).y);
         assert!((found / expected - 1.0).abs() < 2e-3, "{found} {expected}");
     }
 

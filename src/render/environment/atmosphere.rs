@@ -10,7 +10,8 @@ use std::f64::consts::PI;
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 
-use super::air::{self, Air, GROUND_RADIUS, distance_to_ground, distance_to_top};
+use super::Axes;
+use super::air::{self, Air, GROUND_ALBEDO, GROUND_RADIUS, distance_to_ground, distance_to_top};
 use crate::scene::Pixels;
 
 /// A clear day.
@@ -41,9 +42,6 @@ const SIZE: (u32, u32) = (256, 128);
 /// Steps of a view ray; they grow with the distance.
 const STEPS: u32 = 40;
 
-/// Share of the light that the ground sends back.
-const GROUND_ALBEDO: f64 = 0.3;
-
 /// What became of the sky: an equirectangular picture of radiance.
 pub(super) struct SkyPicture {
     pub(super) pixels: Pixels,
@@ -56,6 +54,22 @@ impl Daylight {
 
     /// Angular radius of the sun, in degrees.
     pub const SUN_RADIUS: f64 = 0.2665;
+
+    /// With the sun in a direction of world space (of any length but 0), under the upward axis `up`.
+    #[must_use]
+    pub fn with_sun(self, direction: Vec3, up: Vec3) -> Self {
+        let place = Axes::new(up, 0.0).place(direction.normalize_or(Vec3::Y));
+        let azimuth = 180.0 - 360.0 * place.turn;
+        Self {
+            elevation: libm::asin(place.cosine).to_degrees(),
+            azimuth: if azimuth < 0.0 {
+                azimuth + 360.0
+            } else {
+                azimuth
+            },
+            ..self
+        }
+    }
 
     /// Unit vector to the sun, along right, up and front.
     pub(super) fn sun(&self) -> DVec3 {
@@ -130,7 +144,7 @@ fn seen(air: &Air, tables: &air::Tables, view: DVec3, sun: DVec3) -> DVec3 {
     let mut left = DVec3::ONE;
     let mut radiance = DVec3::ZERO;
     for step in 0..STEPS {
-        let place = |i: f64| length * (i / f64::from(STEPS)).powi(2);
+        let place = |i: f64| length * air::square(i / f64::from(STEPS));
         let (from, to) = (place(f64::from(step)), place(f64::from(step + 1)));
         let point = DVec3::Y * start + view * ((from + to) / 2.0);
         let radius = point.length();
@@ -234,6 +248,16 @@ mod tests {
             dusk > 0.0 && dusk < 0.05 * floor(&sky(&day(30.0))).y,
             "{dusk}"
         );
+    }
+
+    #[test]
+    fn the_sun_stands_where_it_is_wished() {
+        for (up, x, y, z) in [(Vec3::Y, 1.0, 2.0, -3.0), (Vec3::Z, -1.0, 0.5, 0.1)] {
+            let direction = Vec3::new(x, y, z).normalize();
+            let daylight = Daylight::default().with_sun(direction * 7.0, up);
+            let found = Axes::new(up, 0.0).world(daylight.sun());
+            assert!((found - direction).length() < 1e-6, "{found}");
+        }
     }
 
     #[test]

@@ -194,7 +194,8 @@ pub(super) mod tests {
             let solid_angle = TAU / f64::from(w) * (edge(y) - edge(y + 1));
             let expected = f64::from(grid.density(middle)) * solid_angle * f64::from(n);
             if expected > 0.0 {
-                chi_square += (f64::from(count) - expected).powi(2) / expected;
+                let off = f64::from(count) - expected;
+                chi_square += off * off / expected;
                 freedom += 1.0;
             } else {
                 assert_eq!(count, 0);
