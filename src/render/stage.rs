@@ -6,6 +6,7 @@ use glam::{DMat3, Vec3};
 
 use super::environment::Environment;
 use super::lights::{Lights, has_directional};
+use super::tangents::Tangents;
 use super::texture::Textures;
 use crate::accel::bsp::polygon::SceneTrees;
 use crate::accel::{Accelerator, TestSpaces};
@@ -50,6 +51,8 @@ pub struct Stage<'a> {
     /// Greatest depth of their nodes: 0 for a root alone.
     pub(super) deepest_node: u32,
     pub(super) instances: Vec<StagedInstance>,
+    /// Tangents for normal maps, where the file has none.
+    pub(super) tangents: Tangents,
 }
 
 /// What is worked out for each instance.
@@ -118,6 +121,7 @@ impl<'a> Stage<'a> {
             trees: None,
             deepest_node: 0,
             instances,
+            tangents: Tangents::new(scene),
         }
     }
 

@@ -160,7 +160,7 @@ impl Surface {
         }
     }
 
-    fn uv_of(&self, stage: &Stage, texture: &TextureRef) -> Vec2 {
+    pub(super) fn uv_of(&self, stage: &Stage, texture: &TextureRef) -> Vec2 {
         if texture.uv_set == 0 {
             return self.uv;
         }

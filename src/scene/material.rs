@@ -297,6 +297,12 @@ impl Material {
             .chain(opacity.chain(bump).map(|texture| (Linear, texture)))
     }
 
+    /// The set of texture coordinates of the tangent-space normals, if there are any: the material's own, or else the clear coat's.
+    pub fn normal_uv_set(&self) -> Option<u32> {
+        let coat = self.clearcoat.and_then(|c| c.normal_texture);
+        self.normal_texture.or(coat).map(|t| t.uv_set)
+    }
+
     /// Whether a ray can pass a surface of this material without being refracted: its alpha counts.
     pub fn has_alpha(&self) -> bool {
         self.alpha_mode != AlphaMode::Opaque

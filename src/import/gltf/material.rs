@@ -67,6 +67,13 @@ pub(super) fn shown_textures(json: &json::Material, shown: &mut BTreeSet<usize>)
     }
 }
 
+/// Whether a material looks normals up in the space of tangents.
+pub(super) fn shows_tangents(json: &json::Material) -> bool {
+    let coat = Extension::find(extensions(json), "KHR_materials_clearcoat");
+    let coat = coat.and_then(|e| e.object("clearcoatNormalTexture"));
+    json.normal_texture.is_some() || coat.is_some()
+}
+
 /// What primitives without a material have (glTF 2.0 specification, section 5.19).
 pub(super) fn default_material() -> Material {
     Material {
