@@ -202,14 +202,41 @@ impl Environment {
         (sample.density > 0.0 && sample.radiance != Vec3::ZERO).then_some(sample)
     }
 
+    /// A direction to the sun alone, with its light alone, for those who ask for one of either. `None` if there is no sun.
+    pub fn sample_sun(&self, numbers: [f32; 2]) -> Option<EnvironmentSample> {
+        let sun = self.sun?;
+        let direction = sun.sample(numbers);
+        let sample = EnvironmentSample {
+            direction,
+            radiance: sun.radiance(direction),
+            density: sun.density(direction),
+        };
+        // Rounding may take it beside the disc.
+        (sample.density > 0.0).then_some(sample)
+    }
+
+    /// A direction chosen by all light but the sun's, with that light alone. `None` if it is black.
+    pub fn sample_sky(&self, numbers: [f32; 2]) -> Option<EnvironmentSample> {
+        let direction = self.sample_far(numbers);
+        let sample = EnvironmentSample {
+            direction,
+            radiance: self.far(direction),
+            density: self.far_density(direction),
+        };
+        (sample.density > 0.0 && sample.radiance != Vec3::ZERO).then_some(sample)
+    }
+
     /// The density with which [`Self::sample`] chooses a direction, per steradian. Above 0 where there is light.
     pub fn density(&self, direction: Vec3) -> f32 {
-        let far = match &self.grid {
+        let sun = self.sun.map_or(0.0, |sun| sun.density(direction));
+        self.far_density(direction) * (1.0 - self.sun_share) + sun * self.sun_share
+    }
+
+    fn far_density(&self, direction: Vec3) -> f32 {
+        match &self.grid {
             Some(grid) => grid.density(self.axes.place(direction)),
             None => 0.25 * std::f32::consts::FRAC_1_PI,
-        };
-        let sun = self.sun.map_or(0.0, |sun| sun.density(direction));
-        far * (1.0 - self.sun_share) + sun * self.sun_share
+        }
     }
 
     /// Radiance of all but the sun.

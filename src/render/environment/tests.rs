@@ -108,6 +108,15 @@ fn the_suns_light_is_found_beside_the_skys() {
     let floor = |d: Vec3| d.y.max(0.0);
     let sun = estimate(&with, floor) - estimate(&without, floor);
     assert!((sun - light * to_sun.y).abs().max_element() < 0.02, "{sun}");
+    let one = with.sample_sun([0.3, 0.6]).expect("it shines");
+    let irradiance = one.radiance / one.density;
+    assert!(
+        (irradiance - light).abs().max_element() < 1e-4,
+        "{irradiance}"
+    );
+    assert!(without.sample_sun([0.3, 0.6]).is_none());
+    let far = with.sample_sky([0.3, 0.6]).expect("it shines");
+    assert_eq!(far, without.sample([0.3, 0.6]).expect("it shines"));
     assert_eq!(with.backdrop(to_sun), sky.radiance(to_sun));
     assert!(with.radiance(to_sun).x > 1000.0);
 }

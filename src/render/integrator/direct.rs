@@ -65,15 +65,17 @@ pub(super) fn shade(
             let visible = visibility(stage, tracer, shadow, RayKind::Shadow);
             irradiance += sky.radiance(direction) * (std::f32::consts::PI * visible);
         }
-    } else if let Some(environment) = &stage.environment
-        && let Some(light) = environment.sample(sampler.next_2d())
-    {
-        let incident = Incident {
-            direction: light.direction,
-            target: None,
-            irradiance: light.radiance / light.density,
-        };
-        add(tracer, incident);
+    } else if let Some(environment) = &stage.environment {
+        let [sun, sky] = [sampler.next_2d(), sampler.next_2d()];
+        let lights = [environment.sample_sun(sun), environment.sample_sky(sky)];
+        for light in lights.into_iter().flatten() {
+            let incident = Incident {
+                direction: light.direction,
+                target: None,
+                irradiance: light.radiance / light.density,
+            };
+            add(tracer, incident);
+        }
     }
     material.emission + material.base_color * irradiance * FRAC_1_PI
 }
