@@ -28,6 +28,7 @@ const HOMES: &[(&str, &str)] = &[
     ("basisu", "import/gltf/ktx2.rs"),
     ("earcut", "import/obj/"),
     ("noto_sans_mono_bitmap", "render/overlay/text.rs"),
+    ("bevy_mikktspace", "render/mikktspace.rs"),
     ("clap", "cli/"),
     ("rustix", "analysis/clock.rs"),
 ];

@@ -206,7 +206,7 @@ fn textures_are_found_decoded_and_shared() {
         ("a.mtl", mtl.as_bytes()),
         ("my Tex.png", &red),
         ("mask.png", &grey),
-        ("bump.png", b"not read"),
+        ("bump.png", &grey),
     ];
     let scene = load_files(&files).unwrap();
     assert!(scene.notes.is_empty(), "{:?}", scene.notes);
@@ -216,7 +216,7 @@ fn textures_are_found_decoded_and_shared() {
             .iter()
             .map(|i| (&*i.name, i.width, i.height))
             .collect::<Vec<_>>(),
-        [("my Tex.png", 2, 3), ("mask.png", 2, 3), ("bump.png", 0, 0)]
+        [("my Tex.png", 2, 3), ("mask.png", 2, 3), ("bump.png", 2, 3)]
     );
     assert_eq!(
         scene.images[0].pixels,
@@ -241,6 +241,41 @@ fn textures_are_found_decoded_and_shared() {
     );
     assert_eq!((m.alpha_mode, m.emissive), (AlphaMode::Blend, Vec3::ONE));
     assert_eq!(m.bump.unwrap().scale, 0.3);
+}
+
+#[test]
+fn float_images_are_textures_and_their_bad_texels_are_mended() {
+    use bspray::picture::{Channel, Picture, Samples, exr};
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.exr");
+    let channel = |name, v: f32| Channel::new(name, Samples::F32(vec![v, 2.5]));
+    let picture = Picture::new(2, 1)
+        .with_channel(channel("R", f32::NAN))
+        .with_channel(channel("G", 0.5))
+        .with_channel(channel("B", -1.0));
+    exr::write(&path, &picture).unwrap();
+    let exr = std::fs::read(path).unwrap();
+    let hdr = {
+        let mut bytes = std::io::Cursor::new(Vec::new());
+        let image = image::Rgb32FImage::from_pixel(1, 1, image::Rgb([4.0, 0.5, 0.0]));
+        image.write_to(&mut bytes, image::ImageFormat::Hdr).unwrap();
+        bytes.into_inner()
+    };
+    let obj = format!("mtllib a.mtl\n{V}usemtl m\nf 1 2 3\n");
+    let scene = load_files(&[
+        ("model.obj", obj.as_bytes()),
+        ("a.mtl", b"newmtl m\nmap_Kd sky.exr\nmap_Ke lamp.hdr\n"),
+        ("sky.exr", &exr),
+        ("lamp.hdr", &hdr),
+    ])
+    .unwrap();
+    let pixels = |i: usize| scene.images[i].pixels.clone();
+    let mended = vec![[0.0, 0.5, 0.0, 1.0], [2.5, 2.5, 2.5, 1.0]];
+    assert_eq!(pixels(0), Some(Pixels::RgbaF32(mended)));
+    assert_eq!(pixels(1), Some(Pixels::RgbaF32(vec![[4.0, 0.5, 0.0, 1.0]])));
+    let notes = notes(&scene);
+    assert_eq!(notes.len(), 1, "{notes:?}");
+    assert!(notes[0].starts_with("texture \"sky.exr\": 1 texels are negative"));
 }
 
 #[test]

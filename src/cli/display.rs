@@ -26,6 +26,32 @@ pub(super) struct DisplayArgs {
 }
 
 impl DisplayArgs {
+    fn tonemap_of(&self, integrator: Integrator) -> ToneMap {
+        self.tonemap.unwrap_or(if integrator.computes_light() {
+            ToneMap::PbrNeutral
+        } else {
+            ToneMap::Clip
+        })
+    }
+
+    /// The surfaces of the film alone, with their coverage as alpha.
+    pub(super) fn cut_out(&self, film: &Film, integrator: Integrator) -> Raster {
+        let tonemap = self.tonemap_of(integrator);
+        let factor = exposure_factor(self.exposure);
+        let pixels = film.map(|sum, _| {
+            let mean = sum.mean();
+            // PNG's colours are not multiplied by alpha.
+            let color = mean.color * (factor / mean.alpha.max(f32::MIN_POSITIVE));
+            let [r, g, b] = match matches!(integrator, Integrator::Normals) {
+                // Codes as they are, not light.
+                true => color.to_array().map(srgb::decode),
+                false => tonemap.apply(color.to_array()),
+            };
+            [r, g, b, mean.alpha]
+        });
+        Raster::from_rgba(film.window.width, film.window.height, &pixels)
+    }
+
     /// The film as people see it. Normals are numbers, not light, and are stored as they are.
     pub(super) fn raster(
         &self,
@@ -33,11 +59,7 @@ impl DisplayArgs {
         integrator: Integrator,
         overlay: Option<&Overlay>,
     ) -> Raster {
-        let tonemap = self.tonemap.unwrap_or(if integrator.computes_light() {
-            ToneMap::PbrNeutral
-        } else {
-            ToneMap::Clip
-        });
+        let tonemap = self.tonemap_of(integrator);
         let factor = exposure_factor(self.exposure);
         let mut pixels = film.map(|sum, _| {
             let mean = sum.mean();

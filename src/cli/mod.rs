@@ -8,6 +8,7 @@ mod camera_args;
 mod compare;
 mod compare_report;
 mod display;
+mod environment_args;
 mod extent_args;
 mod files;
 mod frames;

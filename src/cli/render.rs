@@ -6,13 +6,14 @@ use std::time::Instant;
 use anyhow::{Context, bail};
 use bspray::accel::AcceleratorKind;
 use bspray::accel::bsp::polygon::SceneTrees;
-use bspray::render::{Integrator, LightSearch, PixelFilter, PixelRect, RenderOptions, SkyMode};
+use bspray::render::{Integrator, LightSearch, PixelFilter, PixelRect, RenderOptions};
 use bspray::scene::Scene;
 use clap::{Args, ValueEnum};
 
 use super::bsp_args::{self, BspArgs};
 use super::camera_args::{self, CameraArgs};
 use super::display::DisplayArgs;
+use super::environment_args::EnvironmentArgs;
 use super::extent_args::ExtentArgs;
 use super::files;
 use super::frames::{FrameArgs, Shot};
@@ -66,14 +67,13 @@ pub(super) struct RenderArgs {
     /// How far an ambient-occlusion ray must get, in model units [default: a tenth of the scene's diagonal]
     #[arg(long, value_name = "LENGTH", value_parser = values::positive)]
     ao_distance: Option<f32>,
-    /// Whether a sky and its sun light the scene; `auto`: if the models have no light of their own, or a sun but no sky
-    #[arg(long, value_enum, value_name = "WHEN", default_value_t = SkyName::Auto)]
-    sky: SkyName,
     /// How light between pixel centres is shared out
     #[arg(long, value_enum, value_name = "NAME", default_value_t = FilterName::BlackmanHarris)]
     filter: FilterName,
     #[command(flatten)]
     pub(super) camera: CameraArgs,
+    #[command(flatten)]
+    pub(super) environment: EnvironmentArgs,
     #[command(flatten)]
     frames: FrameArgs,
     /// Render a part of the picture, given as shares of its width and height
@@ -154,13 +154,6 @@ impl From<SearchName> for LightSearch {
 }
 
 #[derive(Clone, Copy, Debug, ValueEnum)]
-enum SkyName {
-    Auto,
-    On,
-    Off,
-}
-
-#[derive(Clone, Copy, Debug, ValueEnum)]
 enum FilterName {
     Box,
     BlackmanHarris,
@@ -190,7 +183,12 @@ pub(super) fn run(args: &RenderArgs) -> anyhow::Result<Done> {
     let window = window(args)?;
 
     let started = Instant::now();
-    let scene = args.input.load()?;
+    let mut scene = args.input.load()?;
+    let environment = args.environment.environment(args.camera.up())?;
+    // So that it is not written over.
+    scene
+        .files
+        .extend(args.environment.file().map(PathBuf::from));
     let load = started.elapsed().as_secs_f64();
     let outputs = shots.iter().flat_map(|shot| &shot.outputs);
     files::spare_inputs(outputs.map(|(path, _)| path.as_path()), &scene)?;
@@ -234,6 +232,7 @@ pub(super) fn run(args: &RenderArgs) -> anyhow::Result<Done> {
     let studio = Studio {
         args,
         scene: &scene,
+        environment,
         camera,
         camera_flags,
         trees,
@@ -276,16 +275,6 @@ fn window(args: &RenderArgs) -> anyhow::Result<PixelRect> {
         bail!(UsageError(cause));
     }
     Ok(window)
-}
-
-impl RenderArgs {
-    pub(super) fn sky_mode(&self) -> SkyMode {
-        match self.sky {
-            SkyName::Auto => SkyMode::Auto,
-            SkyName::On => SkyMode::On,
-            SkyName::Off => SkyMode::Off,
-        }
-    }
 }
 
 fn integrator(args: &RenderArgs, scene: &Scene) -> Integrator {

@@ -1,12 +1,13 @@
 //! One picture after the other: a camera, its eye rays' structure, the film, its files.
 
+use std::sync::Arc;
 use std::time::Instant;
 
 use bspray::accel::bsp::polygon::SceneTrees;
 use bspray::accel::extents::View;
 use bspray::accel::{Accelerator, AcceleratorKind};
 use bspray::picture;
-use bspray::render::{self, RenderOptions, Stage};
+use bspray::render::{self, Environment, RenderOptions, Stage};
 use bspray::scene::{Camera, Scene};
 use serde_json::{Value, json};
 
@@ -20,6 +21,8 @@ use super::{Done, camera_args, metadata, output, pixel, progress};
 pub(super) struct Studio<'a> {
     pub(super) args: &'a RenderArgs,
     pub(super) scene: &'a Scene,
+    /// Light in place of our own sky.
+    pub(super) environment: Option<Arc<Environment>>,
     /// Where the first picture is taken from.
     pub(super) camera: Camera,
     pub(super) camera_flags: String,
@@ -96,6 +99,20 @@ impl Studio<'_> {
         (camera, format!("{flags} {turn}"))
     }
 
+    fn stage<'s>(&'s self, accelerator: &'s dyn Accelerator) -> Stage<'s> {
+        let args = self.args;
+        let sky = args.environment.sky_mode();
+        let new = || Stage::new(self.scene, accelerator, args.camera.up(), sky);
+        let mut stage = self.pool.install(new).with_trees(self.trees.as_ref());
+        if let Some(environment) = &self.environment {
+            stage = stage.with_environment(Arc::clone(environment));
+        }
+        if args.environment.is_transparent() {
+            stage = stage.without_backdrop();
+        }
+        stage
+    }
+
     fn shoot(
         &self,
         shot: &Shot,
@@ -112,8 +129,7 @@ impl Studio<'_> {
                 .install(|| args.accel.build_with(self.scene, &build_options))
         });
         let build = self.before.build + started.elapsed().as_secs_f64();
-        let stage = Stage::new(self.scene, accelerator, args.camera.up(), args.sky_mode())
-            .with_trees(self.trees.as_ref());
+        let stage = self.stage(accelerator);
         if let Some(place) = args.pixel {
             let done = pixel::run(&stage, &view.camera, &self.options, place, args.json)?;
             return Ok(Taken::Reported(done));
@@ -171,7 +187,13 @@ impl Studio<'_> {
                 }
                 OutputKind::Display => {
                     let integrator = self.options.integrator;
-                    let raster = args.display.raster(&film, integrator, overlay.as_ref());
+                    let is_cut_out = args.environment.is_transparent() && overlay.is_none();
+                    let raster = match picture::ldr::LdrFormat::of_path(path) {
+                        Ok(picture::ldr::LdrFormat::Png) if is_cut_out => {
+                            args.display.cut_out(&film, integrator)
+                        }
+                        _ => args.display.raster(&film, integrator, overlay.as_ref()),
+                    };
                     picture::ldr::write(path, &raster)
                 }
             });

@@ -1,6 +1,6 @@
 //! The images that model files name or carry, decoded.
 
-use crate::picture::{PictureError, ldr};
+use crate::picture::{PictureError, mend_texels, read_image_if};
 use crate::scene::{Image, Pixels};
 
 /// Squares of the stand-in along each side.
@@ -18,7 +18,7 @@ pub(super) fn decode(
     bytes: &[u8],
     charge: impl Fn(u64) -> Result<(), String>,
 ) -> Result<Image, String> {
-    let image = ldr::read_image_if(name, bytes, charge).map_err(|e| match e {
+    let image = read_image_if(name, bytes, charge).map_err(|e| match e {
         PictureError::Io { source, .. } => source.to_string(),
         PictureError::Unsupported { cause, .. } | PictureError::Invalid { cause, .. } => cause,
     })?;
@@ -26,6 +26,17 @@ pub(super) fn decode(
         name: name.to_owned(),
         ..image
     })
+}
+
+/// Mends texels that are no colours, as [`mend_texels`] does, and says so.
+pub(super) fn mend(image: &mut Image) -> Option<String> {
+    match mend_texels(image) {
+        0 => None,
+        count => Some(format!(
+            "{count} texels are negative, infinite or no numbers: taken as 0, or as {MOST} where they are infinite",
+            MOST = crate::picture::MOST_RADIANCE,
+        )),
+    }
 }
 
 /// A magenta checker, for images of colours that cannot be had.

@@ -126,6 +126,9 @@ impl Vertices {
             .or_insert_with(|| {
                 mesh.positions.push(mesh.positions[vertex]);
                 mesh.normals.push(normal);
+                if !mesh.tangents.is_empty() {
+                    mesh.tangents.push(mesh.tangents[vertex]);
+                }
                 if !mesh.colors.is_empty() {
                     mesh.colors.push(mesh.colors[vertex]);
                 }

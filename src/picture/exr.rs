@@ -20,7 +20,7 @@
 
 use std::collections::BTreeSet;
 use std::fs::File;
-use std::io::{self, BufRead, BufReader, BufWriter, Seek};
+use std::io::{self, BufRead, BufReader, BufWriter, Cursor, Seek};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::Path;
 
@@ -105,9 +105,42 @@ pub fn read(path: &Path) -> std::result::Result<Picture, PictureError> {
         Ok((file, metadata.len()))
     };
     let (file, length) = open().map_err(|error| PictureError::io(path, error))?;
+    decode(path, BufReader::new(file), length, |_| Ok(()))
+}
+
+/// Whether bytes begin as an EXR file does.
+pub(super) fn is_exr(bytes: &[u8]) -> bool {
+    bytes.starts_with(&exr::meta::magic_number::BYTES)
+}
+
+/// Reads a file's bytes as [`read`] does, if `charge` agrees to the memory that the channels take, in bytes. `name` stands in
+/// messages.
+///
+/// # Errors
+/// As [`read`], and `Unsupported` with what `charge` says.
+pub(super) fn read_bytes(
+    name: &str,
+    bytes: &[u8],
+    charge: impl FnOnce(u64) -> std::result::Result<(), String>,
+) -> std::result::Result<Picture, PictureError> {
+    decode(
+        Path::new(name),
+        Cursor::new(bytes),
+        bytes.len() as u64,
+        charge,
+    )
+}
+
+fn decode(
+    path: &Path,
+    input: impl BufRead + Seek,
+    length: u64,
+    charge: impl FnOnce(u64) -> std::result::Result<(), String>,
+) -> std::result::Result<Picture, PictureError> {
+    let charge = |bytes| charge(bytes).map_err(|cause| Error::NotSupported(cause.into()));
     // The crate indexes and divides by what headers say, and a panic is no way to report a broken file. It is safe to go on:
     // nothing of the panicked call is used again.
-    catch_unwind(AssertUnwindSafe(|| decode(BufReader::new(file), length)))
+    catch_unwind(AssertUnwindSafe(|| decode_charged(input, length, charge)))
         .unwrap_or_else(|panic| Err(Error::Invalid(panic_message(panic.as_ref()).into())))
         .map_err(|error| at(path, error))
 }
@@ -220,13 +253,23 @@ fn fill<T: Copy, const N: usize>(bytes: &mut [u8], values: &[T], encode: fn(T) -
     }
 }
 
-fn decode(input: impl BufRead + Seek, file_length: u64) -> Result<Picture> {
+fn decode_charged(
+    input: impl BufRead + Seek,
+    file_length: u64,
+    charge: impl FnOnce(u64) -> UnitResult,
+) -> Result<Picture> {
     let reader = exr::block::read(input, false)?;
     let meta = reader.meta_data().clone();
     let sizes: Vec<PartSize> = meta.headers.iter().map(part_size).collect();
     let window = common_window(&sizes, file_length).ok_or_else(|| {
         Error::NotSupported("its sizes are out of all proportion to the file's length".into())
     })?;
+    let channels: u64 = sizes.iter().map(|s| s.channels).sum();
+    charge(
+        window
+            .pixels()
+            .saturating_mul(channels * size_of::<f32>() as u64),
+    )?;
     let mut parts: Vec<Vec<Samples>> = Vec::new();
     for header in &meta.headers {
         let samples = header.channels.list.iter();
@@ -300,6 +343,7 @@ fn part_size(header: &Header) -> PartSize {
             height: header.layer_size.1 as u32,
         },
         block: (block.0 as u64, block.1 as u64),
+        channels: header.channels.list.len() as u64,
         bytes_per_pixel: header.channels.bytes_per_pixel as u64,
         // Deflate packs at most 1,032 : 1, and PXR24 drops a byte of four before it; the DWA codecs keep one of 64 values.
         packing: match header.compression {

@@ -3,12 +3,12 @@
 //! There is no colour management: embedded profiles and gamma values are not looked at, nor is a photograph's orientation.
 //!
 //! ```
-//! use bspray::picture::{Raster, ToneMap, ldr};
+//! use bspray::picture::{Raster, ToneMap, ldr, read_image};
 //! use bspray::scene::Pixels;
 //!
 //! let radiance = [[0.04, 0.05, 0.06], [40.0, 0.5, 0.0]];
 //! let raster = Raster::from_rgb(2, 1, &radiance.map(|c| ToneMap::PbrNeutral.apply(c)));
-//! let image = ldr::read_image("two.png", &ldr::png_bytes(&raster)?)?;
+//! let image = read_image("two.png", &ldr::png_bytes(&raster)?)?;
 //! assert!(matches!(image.pixels, Some(Pixels::Rgba8(pixels)) if pixels[0] == [25, 39, 48, 255]));
 //! # Ok::<(), bspray::picture::PictureError>(())
 //! ```
@@ -124,22 +124,21 @@ fn encode(path: &Path, format: LdrFormat, raster: &Raster) -> Result<Vec<u8>, Pi
     Ok(file)
 }
 
-/// Decodes an image of a model. The format is told by the first bytes, and by `name`'s extension where these say nothing (TGA).
-///
-/// The numbers stay the file's: 8 bits stay 8, 16 stay 16, HDR becomes floats; grey is spread over the colours and a
-/// missing alpha is 1. The image's name is `name`.
-///
-/// # Errors
-/// `Unsupported` for another format and for images beyond [`MAX_SIDE`] or 2 GiB of pixels, `Invalid` for broken ones.
-pub fn read_image(name: &str, bytes: &[u8]) -> Result<Image, PictureError> {
+/// Decodes an image of a model as [`read_image_if`] does, whatever memory it takes.
+#[cfg(test)]
+fn read_image(name: &str, bytes: &[u8]) -> Result<Image, PictureError> {
     read_image_if(name, bytes, |_| Ok(()))
 }
 
-/// Decodes an image of a model as [`read_image`] does, if `charge` agrees to the memory that it takes, in bytes. It is asked once
-/// the size of the image is known, and before anything is allocated for its pixels.
+/// Decodes an image of a model, if `charge` agrees to the memory that it takes, in bytes. The format is told by the first bytes,
+/// and by `name`'s extension where these say nothing (TGA).
+///
+/// The numbers stay the file's: 8 bits stay 8, 16 stay 16, HDR becomes floats; grey is spread over the colours and a
+/// missing alpha is 1. The image's name is `name`. [`read_image`](super::read_image) knows OpenEXR as well.
 ///
 /// # Errors
-/// As [`read_image`], and `Unsupported` with what `charge` says.
+/// `Unsupported` for another format, for images beyond [`MAX_SIDE`] or 2 GiB of pixels and with what `charge` says, `Invalid` for
+/// broken ones.
 pub fn read_image_if(
     name: &str,
     bytes: &[u8],
@@ -151,7 +150,7 @@ pub fn read_image_if(
         _ => None,
     };
     let format = image::guess_format(bytes).ok().or(by_extension);
-    let readable = "images are read from PNG, JPEG, TGA, BMP, WebP and HDR";
+    let readable = "images are read from PNG, JPEG, TGA, BMP, WebP, HDR and EXR";
     let Some(format) = format.filter(ImageFormat::reading_enabled) else {
         let cause = match format {
             Some(format) => format!("is {format:?}; {readable}"),

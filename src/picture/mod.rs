@@ -21,6 +21,7 @@ mod channels;
 mod error;
 pub mod exr;
 mod header_order;
+mod image_file;
 pub mod ldr;
 pub mod palette;
 mod plausible;
@@ -32,7 +33,7 @@ mod tonemap;
 
 pub use channels::{Attribute, Channel, Picture, Samples, Window, attribute};
 pub use error::PictureError;
-pub use ldr::read_image;
+pub use image_file::{MOST_RADIANCE, mend_texels, read_image, read_image_if};
 pub use raster::{Raster, RasterPixels};
 pub use replace_file::replace_file;
 pub use tonemap::{ToneMap, UnknownToneMap, exposure_factor};

@@ -15,6 +15,8 @@ pub(super) struct PartSize {
     pub window: Window,
     /// Width and height of a block in pixels.
     pub block: (u64, u64),
+    /// How many channels it has.
+    pub channels: u64,
     /// Bytes of a pixel's channels together.
     pub bytes_per_pixel: u64,
     /// Most bytes that a byte of the file can be unpacked to.
@@ -75,6 +77,7 @@ mod tests {
                 height,
             },
             block: (u64::from(width), 16),
+            channels: 3,
             bytes_per_pixel: 6,
             packing: 1000,
         }

@@ -54,11 +54,12 @@ impl Surface {
     }
 
     /// The normals with which the surface is shaded for a viewer in direction `view`.
-    pub(super) fn normals(&self, view: Vec3) -> Normals {
+    pub(super) fn normals(&self, stage: &Stage, view: Vec3) -> Normals {
+        let bent = |normal| bent(normal, self.geometric_normal, view);
         Normals {
             geometric: self.geometric_normal,
-            shading: bent(self.shading_normal, self.geometric_normal, view),
-            coat: bent(self.shading_normal, self.geometric_normal, view),
+            shading: bent(self.mapped_normal(stage, self.footprint)),
+            coat: bent(self.coat_normal(stage, self.footprint)),
         }
     }
 
@@ -88,7 +89,7 @@ impl Surface {
             is_outside: self.is_front,
             energy,
         });
-        Bsdf::new(lobes, self.normals(view), view, solid)
+        Bsdf::new(lobes, self.normals(stage, view), view, solid)
     }
 }
 

@@ -6,18 +6,24 @@
 
 mod aov;
 pub mod bsdf;
+mod environment;
 mod film;
 mod filter;
 mod framing;
 mod integrator;
 mod lights;
 mod lobes;
+mod mikktspace;
+mod mipmap;
 mod overlay;
 mod partition;
+mod ray_cone;
 mod sampler;
 mod secondary;
 mod stage;
 mod surface;
+mod tangents;
+mod texel;
 mod texture;
 mod tracer;
 
@@ -26,6 +32,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use rayon::prelude::*;
 
 pub use aov::{LAYERS, Layer, NOTHING, PARTITION_LAYERS, layers};
+pub use environment::{Daylight, Environment, EnvironmentSample};
 pub use film::{Film, FirstHit, PixelRect, PixelSum};
 pub use filter::PixelFilter;
 pub use framing::{CameraWishes, DEFAULT_VIEW_ANGLE, frame_scene};
@@ -33,10 +40,12 @@ pub use integrator::{Integrator, LightSearch, MOST_STEPS, Sample};
 pub use lights::Lights;
 pub use overlay::{Overlay, OverlayOptions, OverlayReport};
 pub use partition::FragmentPoint;
+pub use ray_cone::{RayCone, uv_per_length};
 pub use sampler::Sampler;
 pub use secondary::{hemisphere_ray, shadow_ray};
 pub use stage::{SkyMode, Stage};
 pub use surface::{MaterialPoint, Surface};
+pub use texture::Textures;
 pub use tracer::{Answer, RayCounts, RayKind, TracedRay, Tracer};
 
 use crate::scene::CameraFrame;
@@ -154,17 +163,37 @@ impl PixelRenderer<'_> {
             f64::from(y) + 0.5 + dy,
             Some((x, y)),
         );
-        self.options
-            .integrator
-            .sample(self.stage, tracer, ray, &mut sampler)
+        let integrator = self.options.integrator;
+        integrator.sample(self.stage, tracer, ray, self.cone(), &mut sampler)
+    }
+
+    /// The cone of a sample. The samples of a pixel share it, so each stands for less than the whole; how much less is bounded, since
+    /// texels are not finer for it (as in pbrt-v4, section 10.1.4).
+    fn cone(&self) -> RayCone {
+        let rows = f64::from(self.options.size.1);
+        let pixel = (2.0 * self.camera.half_size().1 / rows) as f32;
+        let share = (1.0 / (self.options.samples as f32).sqrt()).max(0.125);
+        if self.camera.is_perspective() {
+            RayCone::of_pixel(pixel * share)
+        } else {
+            RayCone {
+                width: pixel * share,
+                spread: 0.0,
+            }
+        }
     }
 
     /// What the ray through a pixel's centre meets first. Places where a material's alpha is zero do not count.
     pub fn first_hit(&self, tracer: &mut Tracer, x: u32, y: u32) -> Option<FirstHit> {
         let (x_center, y_center) = (f64::from(x) + 0.5, f64::from(y) + 0.5);
         let mut ray = self.camera.ray(x_center, y_center, Some((x, y)));
-        let (surface, material) =
-            integrator::first_visible(self.stage, tracer, &mut ray, RayKind::Eye)?;
+        let (surface, material) = integrator::first_visible(
+            self.stage,
+            tracer,
+            &mut ray,
+            RayCone::default(),
+            RayKind::Eye,
+        )?;
         Some(FirstHit {
             hit: surface.hit,
             material: surface.material,

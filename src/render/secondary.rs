@@ -1,18 +1,19 @@
 //! The rays that leave a surface, one of each kind, for those who measure tracing rather than light.
 
 use super::integrator::shadow_ray_to;
-use super::lights::cosine_hemisphere;
+use super::lights::{Incident, cosine_hemisphere};
 use super::sampler::Sampler;
 use super::stage::Stage;
 use super::surface::Surface;
 use crate::geometry::{Interval, Ray, RayOrigin};
 
-/// The ray from the surface to one light: a punctual light, a point of the emissive triangles or of the sun, chosen evenly among those
+/// The ray from the surface to one light: a punctual light, a point of the emissive triangles or of the environment (its sun, if the rest is even), chosen evenly among those
 /// there are. `None` without a light, and if the surface turns its back on it.
 pub fn shadow_ray(stage: &Stage, surface: &Surface, sampler: &mut Sampler) -> Option<Ray> {
     let lights = &stage.lights;
     let punctual: Vec<_> = lights.punctual(surface.position).collect();
-    let (emitters, sun) = (lights.has_emitters(), lights.sky().is_some());
+    let environment = stage.environment.as_ref();
+    let (emitters, sun) = (lights.has_emitters(), environment.is_some());
     let count = punctual.len() + usize::from(emitters) + usize::from(sun);
     let choice = (sampler.next_1d() * count as f32) as usize;
     let incident = match punctual.get(choice.min(count.checked_sub(1)?)) {
@@ -21,7 +22,11 @@ pub fn shadow_ray(stage: &Stage, surface: &Surface, sampler: &mut Sampler) -> Op
             let which = sampler.next_1d();
             lights.emitter(stage.scene, surface.position, which, sampler.next_2d())?
         }
-        None => lights.sun(sampler.next_2d())?,
+        None => {
+            let (environment, numbers) = (environment?, sampler.next_2d());
+            let found = environment.search(numbers);
+            Incident::far(&found.or_else(|| environment.sample(numbers))?)
+        }
     };
     let faces = incident.direction.dot(surface.geometric_normal) > 0.0;
     faces.then(|| shadow_ray_to(surface, &incident, 1))

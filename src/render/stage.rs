@@ -6,7 +6,10 @@ use std::sync::Arc;
 use glam::{DMat3, Vec3};
 
 use super::bsdf::GlassEnergy;
+use super::environment::Environment;
 use super::lights::{Lights, has_directional};
+use super::tangents::Tangents;
+use super::texture::Textures;
 use crate::accel::bsp::polygon::SceneTrees;
 use crate::accel::{Accelerator, TestSpaces};
 use crate::geometry::Triangle;
@@ -35,6 +38,12 @@ pub struct Stage<'a> {
     pub accelerator: &'a dyn Accelerator,
     /// Everything that sends light.
     pub lights: Lights,
+    /// Light from infinitely far: our own sky and its sun, unless another one was given.
+    pub environment: Option<Arc<Environment>>,
+    /// Whether the environment is only seen where it lights: the picture is transparent behind all surfaces.
+    pub hides_environment: bool,
+    /// Levels of detail of the scene's images.
+    pub textures: Textures,
     /// Length of the diagonal of the scene's box, in model units.
     pub diagonal: f32,
     /// Whether any material has alpha, so that hits must be looked at before they block light.
@@ -46,8 +55,12 @@ pub struct Stage<'a> {
     /// Greatest depth of their nodes: 0 for a root alone.
     pub(super) deepest_node: u32,
     pub(super) instances: Vec<StagedInstance>,
+    /// For each material, whether it has a texture.
+    pub(super) is_textured: Vec<bool>,
     /// For each material into which light enters, what its interface loses.
     pub(super) glass: Vec<Option<Arc<GlassEnergy>>>,
+    /// Tangents for normal maps, where the file has none.
+    pub(super) tangents: Tangents,
 }
 
 /// What is worked out for each instance.
@@ -102,17 +115,48 @@ impl<'a> Stage<'a> {
             SkyMode::Off => false,
         };
         let sky = wants_sky.then(|| Sky::daylight(up.normalize_or(Vec3::Y)));
+        let has_sun = !has_directional(scene);
+        let environment = sky.map(|sky| Arc::new(Environment::studio(sky, has_sun)));
         Self {
             scene,
             accelerator,
-            lights: Lights::new(scene, &instances, sky),
+            environment,
+            hides_environment: false,
+            lights: Lights::new(scene, &instances),
+            textures: Textures::new(scene),
             diagonal: scene.bounds().diagonal(),
             has_alpha: scene.materials.iter().any(|m| m.has_alpha()),
             has_transmission: scene.materials.iter().any(|m| m.transmission.is_some()),
             trees: None,
             deepest_node: 0,
             instances,
+            is_textured: (scene.materials.iter())
+                .map(|m| m.texture_refs().next().is_some())
+                .collect(),
             glass: glass(scene),
+            tangents: Tangents::new(scene),
+        }
+    }
+
+    /// With another environment in place of our own sky and its sun.
+    #[must_use]
+    pub fn with_environment(mut self, environment: Arc<Environment>) -> Self {
+        self.environment = Some(environment);
+        self
+    }
+
+    /// With a transparent backdrop: the environment lights, but the eye does not see it.
+    #[must_use]
+    pub fn without_backdrop(mut self) -> Self {
+        self.hides_environment = true;
+        self
+    }
+
+    /// What the eye sees in a direction (unit) in which there is nothing.
+    pub(super) fn backdrop(&self, direction: Vec3) -> Vec3 {
+        match &self.environment {
+            Some(environment) if !self.hides_environment => environment.backdrop(direction),
+            _ => Vec3::ZERO,
         }
     }
 

@@ -2,8 +2,9 @@
 
 use glam::{Vec2, Vec3, Vec4};
 
+use super::ray_cone::RayCone;
 use super::stage::Stage;
-use super::texture::{ColorSpace, lookup};
+use super::texture::ColorSpace;
 use crate::accel::Hit;
 use crate::geometry::{Ray, Triangle};
 use crate::scene::{AlphaMode, Material, TextureRef};
@@ -29,6 +30,12 @@ pub struct Surface {
     pub material: u32,
     /// How far along the geometric normal a ray must start so as to leave the surface behind, in model units.
     pub offset: f32,
+    /// The cone of the ray where it meets the surface: nothing finer than its width counts.
+    pub cone: RayCone,
+    /// Width of the patch in the cone, in model units; 0 for the finest detail.
+    pub footprint: f32,
+    /// The same in units of the first set of texture coordinates.
+    uv_footprint: f32,
 }
 
 /// A material's values at one place.
@@ -114,7 +121,28 @@ impl Surface {
             barycentric: (weights.u, weights.v),
             material: mesh.material_of(hit.triangle),
             offset: staged.offset(&triangle),
+            cone: RayCone::default(),
+            footprint: 0.0,
+            uv_footprint: 0.0,
         }
+    }
+
+    /// The surface as seen along a ray that leaves its origin with a cone.
+    #[must_use]
+    pub fn seen_in(self, stage: &Stage, ray: &Ray, cone: RayCone) -> Self {
+        let length = ray.direction.length();
+        let cone = cone.propagated(self.hit.t * length);
+        let cosine = self.geometric_normal.dot(ray.direction) / length;
+        let mut seen = Self {
+            cone,
+            footprint: cone.footprint(cosine),
+            ..self
+        };
+        if stage.is_textured[self.material as usize] {
+            let first_set = TextureRef::default();
+            seen.uv_footprint = seen.patch(stage, &first_set, seen.footprint).1;
+        }
+        seen
     }
 
     /// Where a ray that leaves towards `direction` starts: on its side of the surface, clear of rounding.
@@ -167,9 +195,13 @@ impl Surface {
         texture: Option<TextureRef>,
         space: ColorSpace,
     ) -> Vec4 {
-        texture.map_or(Vec4::ONE, |t| {
-            lookup(stage.scene, &t, self.uv_of(stage, &t), space)
-        })
+        let Some(t) = texture else { return Vec4::ONE };
+        let (uv, width) = if t.uv_set == 0 {
+            (self.uv, self.uv_footprint)
+        } else {
+            self.patch(stage, &t, self.footprint)
+        };
+        stage.textures.lookup(stage.scene, &t, uv, space, width)
     }
 
     /// Colour and alpha with textures and vertex colours.
@@ -184,7 +216,7 @@ impl Surface {
         color
     }
 
-    fn uv_of(&self, stage: &Stage, texture: &TextureRef) -> Vec2 {
+    pub(super) fn uv_of(&self, stage: &Stage, texture: &TextureRef) -> Vec2 {
         if texture.uv_set == 0 {
             return self.uv;
         }

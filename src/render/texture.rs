@@ -1,57 +1,150 @@
-//! Texture lookups: wrapping, bilinear filtering, and the slot's colour space.
+//! Texture lookups: wrapping, bilinear filtering, the slot's colour space, and levels of detail.
+//!
+//! Coordinates and footprints are in units of the image's width and height (uv). A footprint is the width of the patch that a
+//! lookup stands for: the level whose texels are as wide is looked up, between two levels both (Williams, "Pyramidal
+//! Parametrics", 1983). It is isotropic: one width for u and v.
 
 use glam::{Vec2, Vec4};
+use rayon::prelude::*;
 
-use crate::picture::srgb;
-use crate::scene::{Filter, Pixels, Scene, TextureRef, Wrap};
+use super::mipmap::Pyramid;
+use super::texel::{self, fetch};
+pub(super) use crate::scene::ColorSpace;
+use crate::scene::{Filter, Pixels, Scene, Texture, TextureRef, Wrap};
 
-/// What an image's numbers mean.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum ColorSpace {
-    /// sRGB-encoded colours; alpha is linear.
-    Srgb,
-    /// Plain numbers.
-    Linear,
+/// What is worked out of a scene's images for lookups: for each image, and each colour space in which materials use it, its levels of
+/// detail, a third of the image's own memory.
+#[derive(Debug, Default)]
+pub struct Textures {
+    /// By image: the levels of its sRGB and of its linear use, as [`ColorSpace`] numbers them.
+    pyramids: Vec<[Option<Pyramid>; 2]>,
 }
 
-/// The texture's value at coordinates (`uv`: those of the material's set), or white where its image has no pixels.
-pub(super) fn lookup(scene: &Scene, texture: &TextureRef, uv: Vec2, space: ColorSpace) -> Vec4 {
-    let sampled = &scene.textures[texture.texture as usize];
-    let image = &scene.images[sampled.image as usize];
-    let Some(pixels) = &image.pixels else {
-        return Vec4::ONE;
-    };
-    let size = (image.width, image.height);
-    let at = texture.map(uv);
-    if !at.is_finite() {
-        return Vec4::ONE;
+impl Textures {
+    /// Builds the levels of all images that materials use, on rayon's current threads.
+    pub fn new(scene: &Scene) -> Self {
+        let mut is_used = vec![[false; 2]; scene.images.len()];
+        for (space, texture) in scene.materials.iter().flat_map(|m| m.texture_slots()) {
+            let sampled = &scene.textures[texture.texture as usize];
+            let image = sampled.image as usize;
+            if sampled.filter == Filter::Linear {
+                is_used[image][place(space, scene.images[image].pixels.as_ref())] = true;
+            }
+        }
+        let pyramid = |(image, is_used): (usize, [bool; 2])| {
+            let image = &scene.images[image];
+            [ColorSpace::Srgb, ColorSpace::Linear].map(|space| {
+                let pixels = image.pixels.as_ref().filter(|_| is_used[space as usize]);
+                pixels.map(|p| Pyramid::new(p, (image.width, image.height), space))
+            })
+        };
+        let pyramids = is_used.into_par_iter().enumerate().map(pyramid).collect();
+        Self { pyramids }
     }
-    let texel = |x: i64, y: i64| {
-        let x = wrapped(x, size.0, sampled.wrap_u);
-        let y = wrapped(y, size.1, sampled.wrap_v);
-        fetch(pixels, y as usize * size.0 as usize + x as usize, space)
-    };
+
+    /// Bytes of all levels but the finest, which are the scene's.
+    pub fn memory(&self) -> u64 {
+        let pyramids = self.pyramids.iter().flatten().flatten();
+        pyramids.map(Pyramid::memory).sum()
+    }
+
+    /// The texture's value at coordinates (`uv`: those of the material's set) over a patch of `width_uv`, in units of those
+    /// coordinates, or white where its image has no pixels.
+    ///
+    /// Width 0 is the finest level: a bilinear mix of four texels. Textures that are sampled without a filter stay so. The
+    /// scene must be the one that these levels were built from.
+    pub fn lookup(
+        &self,
+        scene: &Scene,
+        texture: &TextureRef,
+        uv: Vec2,
+        space: ColorSpace,
+        width_uv: f32,
+    ) -> Vec4 {
+        let sampled = &scene.textures[texture.texture as usize];
+        let image = &scene.images[sampled.image as usize];
+        let Some(pixels) = &image.pixels else {
+            return Vec4::ONE;
+        };
+        let size = (image.width, image.height);
+        let at = texture.map(uv);
+        if !at.is_finite() {
+            return Vec4::ONE;
+        }
+        // Written so that NaN counts as 0.
+        if width_uv > 0.0
+            && let Some(pyramid) = self.pyramid(sampled, pixels, space)
+        {
+            let level = level(texture, size, width_uv);
+            if level > 0.0 {
+                return pyramid.lookup((pixels, size), sampled, at, level);
+            }
+        }
+        bilinear(pixels, size, sampled, at, space)
+    }
+
+    fn pyramid(&self, sampled: &Texture, pixels: &Pixels, space: ColorSpace) -> Option<&Pyramid> {
+        if sampled.filter == Filter::Nearest {
+            return None;
+        }
+        let pyramids = self.pyramids.get(sampled.image as usize)?;
+        pyramids[place(space, Some(pixels))].as_ref()
+    }
+}
+
+/// Where the levels of a use stand: floating-point images are linear in any slot.
+fn place(space: ColorSpace, pixels: Option<&Pixels>) -> usize {
+    match pixels {
+        Some(Pixels::RgbaF32(_)) => ColorSpace::Linear as usize,
+        _ => space as usize,
+    }
+}
+
+/// The level whose texels have the area of a square of `width_uv`, by its binary logarithm; 0 or less for the finest.
+fn level(texture: &TextureRef, size: (u32, u32), width_uv: f32) -> f32 {
+    let texels = texture.transform.matrix2.determinant().abs() * size.0 as f32 * size.1 as f32;
+    libm::log2f(width_uv) + 0.5 * libm::log2f(texels)
+}
+
+/// The texture's value at coordinates on its finest level, or white where its image has no pixels.
+pub(super) fn lookup(scene: &Scene, texture: &TextureRef, uv: Vec2, space: ColorSpace) -> Vec4 {
+    Textures::default().lookup(scene, texture, uv, space, 0.0)
+}
+
+/// The value at coordinates of the image by the texture's own filter.
+pub(super) fn bilinear(
+    pixels: &Pixels,
+    size: (u32, u32),
+    sampled: &Texture,
+    at: Vec2,
+    space: ColorSpace,
+) -> Vec4 {
     // In double precision: coordinates of a large floor run into the thousands.
     let (x, y) = (
         f64::from(at.x) * f64::from(size.0),
         f64::from(at.y) * f64::from(size.1),
     );
-    match sampled.filter {
-        Filter::Nearest => texel(x.floor() as i64, y.floor() as i64),
-        Filter::Linear => {
-            let (x, y) = (x - 0.5, y - 0.5);
-            let (left, top) = (x.floor(), y.floor());
-            let (fx, fy) = ((x - left) as f32, (y - top) as f32);
-            let (left, top) = (left as i64, top as i64);
-            let upper = texel(left, top).lerp(texel(left.saturating_add(1), top), fx);
-            let below = top.saturating_add(1);
-            let lower = texel(left, below).lerp(texel(left.saturating_add(1), below), fx);
-            upper.lerp(lower, fy)
-        }
+    let row = |y: i64| wrapped(y, size.1, sampled.wrap_v) as usize * size.0 as usize;
+    let column = |x: i64| wrapped(x, size.0, sampled.wrap_u) as usize;
+    if sampled.filter == Filter::Nearest {
+        let index = row(y.floor() as i64) + column(x.floor() as i64);
+        return fetch(pixels, index, space);
     }
+    let (x, y) = (x - 0.5, y - 0.5);
+    let (left, top) = (x.floor(), y.floor());
+    let (fx, fy) = ((x - left) as f32, (y - top) as f32);
+    let (left, top) = (left as i64, top as i64);
+    let columns = [column(left), column(left.saturating_add(1))];
+    let rows = [row(top), row(top.saturating_add(1))];
+    let [a, b, c, d] = texel::fetch_four(pixels, columns, rows, space);
+    a.lerp(b, fx).lerp(c.lerp(d, fx), fy)
 }
 
 fn wrapped(index: i64, size: u32, wrap: Wrap) -> u32 {
+    // Most are inside, and a division of 64 bits takes longer than all the rest.
+    if (0..i64::from(size)).contains(&index) {
+        return index as u32;
+    }
     let size = i64::from(size);
     let index = match wrap {
         Wrap::Repeat => index.rem_euclid(size),
@@ -62,37 +155,6 @@ fn wrapped(index: i64, size: u32, wrap: Wrap) -> u32 {
         }
     };
     index as u32
-}
-
-fn fetch(pixels: &Pixels, index: usize, space: ColorSpace) -> Vec4 {
-    match pixels {
-        Pixels::Rgba8(p) => {
-            let [r, g, b, a] = p[index];
-            let alpha = f32::from(a) / 255.0;
-            match space {
-                ColorSpace::Srgb => {
-                    let [r, g, b] = [r, g, b].map(|c| srgb::LINEAR_OF_U8[usize::from(c)]);
-                    Vec4::new(r, g, b, alpha)
-                }
-                ColorSpace::Linear => {
-                    let [r, g, b] = [r, g, b].map(|x| f32::from(x) / 255.0);
-                    Vec4::new(r, g, b, alpha)
-                }
-            }
-        }
-        Pixels::Rgba16(p) => {
-            let [r, g, b, a] = p[index];
-            let plain = |x: u16| f32::from(x) / 65535.0;
-            match space {
-                ColorSpace::Srgb => {
-                    let [r, g, b] = [r, g, b].map(srgb::linear_of_u16);
-                    Vec4::new(r, g, b, plain(a))
-                }
-                ColorSpace::Linear => Vec4::new(plain(r), plain(g), plain(b), plain(a)),
-            }
-        }
-        Pixels::RgbaF32(p) => Vec4::from_array(p[index]),
-    }
 }
 
 #[cfg(test)]

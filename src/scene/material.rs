@@ -2,6 +2,8 @@
 
 use glam::{Affine2, Vec2, Vec3, Vec4};
 
+use super::ColorSpace;
+
 /// Where a texture's coordinates come from: a 2D affine map of a mesh's texture coordinates (KHR_texture_transform).
 pub type UvTransform = Affine2;
 
@@ -244,39 +246,61 @@ impl Material {
 
     /// Every use of a texture, to be renumbered.
     pub fn texture_refs_mut(&mut self) -> impl Iterator<Item = &mut TextureRef> {
+        self.texture_slots_mut().map(|(_, texture)| texture)
+    }
+
+    /// Every use of a texture, with what its image's numbers mean there.
+    pub fn texture_slots(&self) -> Vec<(ColorSpace, TextureRef)> {
+        let mut copy = self.clone();
+        copy.texture_slots_mut().map(|(s, t)| (s, *t)).collect()
+    }
+
+    fn texture_slots_mut(&mut self) -> impl Iterator<Item = (ColorSpace, &mut TextureRef)> {
+        use ColorSpace::{Linear, Srgb};
         let own = [
-            &mut self.base_color_texture,
-            &mut self.metallic_roughness_texture,
-            &mut self.normal_texture,
-            &mut self.occlusion_texture,
-            &mut self.emissive_texture,
+            (Srgb, &mut self.base_color_texture),
+            (Linear, &mut self.metallic_roughness_texture),
+            (Linear, &mut self.normal_texture),
+            (Linear, &mut self.occlusion_texture),
+            (Srgb, &mut self.emissive_texture),
         ];
         let specular = self
             .specular
             .iter_mut()
-            .flat_map(|s| [&mut s.texture, &mut s.color_texture]);
-        let transmission = self.transmission.iter_mut().map(|t| &mut t.texture);
-        let volume = self.volume.iter_mut().map(|v| &mut v.thickness_texture);
+            .flat_map(|s| [(Linear, &mut s.texture), (Srgb, &mut s.color_texture)]);
+        let transmission = self.transmission.iter_mut();
+        let transmission = transmission.map(|t| (Linear, &mut t.texture));
+        let volume = self.volume.iter_mut();
+        let volume = volume.map(|v| (Linear, &mut v.thickness_texture));
         let clearcoat = self.clearcoat.iter_mut().flat_map(|c| {
             [
-                &mut c.texture,
-                &mut c.roughness_texture,
-                &mut c.normal_texture,
+                (Linear, &mut c.texture),
+                (Linear, &mut c.roughness_texture),
+                (Linear, &mut c.normal_texture),
             ]
         });
-        let sheen = self
-            .sheen
-            .iter_mut()
-            .flat_map(|s| [&mut s.color_texture, &mut s.roughness_texture]);
+        let sheen = self.sheen.iter_mut().flat_map(|s| {
+            [
+                (Srgb, &mut s.color_texture),
+                (Linear, &mut s.roughness_texture),
+            ]
+        });
+        let opacity = self.opacity.iter_mut().map(|o| &mut o.texture);
+        let bump = self.bump.iter_mut().map(|b| &mut b.texture);
         own.into_iter()
             .chain(specular)
             .chain(transmission)
             .chain(volume)
             .chain(clearcoat)
             .chain(sheen)
-            .flatten()
-            .chain(self.opacity.iter_mut().map(|o| &mut o.texture))
-            .chain(self.bump.iter_mut().map(|b| &mut b.texture))
+            .filter_map(|(space, texture)| Some((space, texture.as_mut()?)))
+            .chain(opacity.chain(bump).map(|texture| (Linear, texture)))
+    }
+
+    /// The set of texture coordinates of the tangent-space normals, if there are any: the material's own, or else the clear coat's.
+    pub fn normal_uv_set(&self) -> Option<u32> {
+        let coat = self.clearcoat.and_then(|c| c.normal_texture);
+        self.normal_texture.or(coat).map(|t| t.uv_set)
     }
 
     /// Whether light that passes the surface enters a medium and is bent. Else a surface that light passes is a thin wall.

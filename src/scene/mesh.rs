@@ -38,6 +38,9 @@ pub struct TriangleMesh {
     pub positions: Vec<Vec3>,
     /// Shading normals: empty, or one a position, of unit length; a zero vector means the triangle's own normal.
     pub normals: Vec<Vec3>,
+    /// The file's tangents, along which the normal map's u grows: empty, or one a position, of unit length in x, y and z. The bitangent is
+    /// `cross(normal, tangent) * w`, w being 1 or -1. A zero vector means that there is none.
+    pub tangents: Vec<Vec4>,
     /// Texture coordinates, a vector for each set, each empty or one a position. The origin is the image's top left corner
     /// (glTF's convention), v grows downwards.
     pub uv_sets: Vec<Vec<Vec2>>,
@@ -93,6 +96,7 @@ impl TriangleMesh {
             }),
         };
         attribute("normals", self.normals.len())?;
+        attribute("tangents", self.tangents.len())?;
         attribute("colours", self.colors.len())?;
         for set in &self.uv_sets {
             attribute("texture coordinates", set.len())?;

@@ -22,7 +22,7 @@ pub use material::{
 };
 pub use measure::MeshMeasure;
 pub use mesh::{MeshError, Outline, Part, TriangleMesh};
-pub use texture::{Filter, Image, Pixels, Texture, Wrap};
+pub use texture::{ColorSpace, Filter, Image, Pixels, Texture, Wrap};
 
 use std::path::PathBuf;
 

@@ -13,6 +13,15 @@ pub enum Pixels {
     RgbaF32(Vec<[f32; 4]>),
 }
 
+/// What an image's numbers mean: the affair of the slot of a material that uses it. Floating-point images are linear in any slot.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum ColorSpace {
+    /// sRGB-encoded colours; alpha is linear.
+    Srgb,
+    /// Plain numbers.
+    Linear,
+}
+
 /// An image of the scene.
 #[derive(Clone, Debug, Default)]
 pub struct Image {

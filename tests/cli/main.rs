@@ -2,6 +2,7 @@
 
 mod camera;
 mod compare;
+mod environments;
 mod errors;
 mod extents;
 mod frames;

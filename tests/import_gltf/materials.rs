@@ -121,18 +121,67 @@ fn images_that_cannot_be_had_leave_their_materials() {
 }
 
 #[test]
+fn every_slot_that_is_shaded_is_decoded() {
+    let slots = [
+        "specularTexture",
+        "specularColorTexture",
+        "transmissionTexture",
+        "thicknessTexture",
+        "clearcoatTexture",
+        "clearcoatRoughnessTexture",
+        "clearcoatNormalTexture",
+        "sheenColorTexture",
+        "sheenRoughnessTexture",
+        "iridescenceTexture",
+    ];
+    let scene = good(|m| {
+        let uri = format!("data:image/png;base64,{PNG}");
+        m["images"] = json!(vec![json!({"uri": uri}); 12]);
+        let textures: Vec<_> = (0..12).map(|i| json!({"source": i})).collect();
+        m["textures"] = json!(textures);
+        let mut extensions = json!({});
+        for (i, slot) in slots.iter().enumerate() {
+            let name = match *slot {
+                s if s.starts_with("specular") => "specular",
+                s if s.starts_with("transmission") => "transmission",
+                s if s.starts_with("thickness") => "volume",
+                s if s.starts_with("clearcoat") => "clearcoat",
+                s if s.starts_with("sheen") => "sheen",
+                _ => "iridescence",
+            };
+            extensions[format!("KHR_materials_{name}")][*slot] = json!({"index": i});
+        }
+        m["materials"] = json!([{
+            "pbrMetallicRoughness": {"metallicRoughnessTexture": {"index": 10}}, "extensions": extensions,
+        }, {
+            "pbrMetallicRoughness": {"metallicRoughnessTexture": {"index": 11}}, "extensions": {"KHR_materials_unlit": {}},
+        }]);
+        m["meshes"][0]["primitives"][0]["material"] = json!(0);
+    });
+    let decoded: Vec<bool> = scene.images.iter().map(|i| i.pixels.is_some()).collect();
+    let expected: Vec<bool> = (0..12).map(|i| i != 9 && i != 11).collect();
+    assert_eq!(decoded, expected);
+    assert_eq!(scene.materials[0].texture_slots().len(), 10);
+    assert!(has_note(
+        &scene,
+        "KHR_materials_iridescence is not supported"
+    ));
+}
+
+#[test]
 fn only_images_that_show_are_decoded() {
     let scene = good(|m| {
         let uri = format!("data:image/png;base64,{PNG}");
-        m["images"] = json!([{"uri": uri}, {"uri": uri, "name": "bumps"}, {"uri": "nobody.png"}, {"uri": "gone.png"}]);
-        m["textures"] = json!([{"source": 0}, {"source": 1}, {"source": 3}]);
+        m["images"] = json!([{"uri": uri}, {"uri": uri, "name": "bumps"}, {"uri": "nobody.png"}, {"uri": "gone.png"}, {"uri": uri}]);
+        m["textures"] = json!([{"source": 0}, {"source": 1}, {"source": 3}, {"source": 4}]);
         m["materials"] = json!([
             {"emissiveTexture": {"index": 0}, "normalTexture": {"index": 1}, "occlusionTexture": {"index": 2}},
+            {"emissiveTexture": {"index": 3}},
         ]);
         m["meshes"][0]["primitives"][0]["material"] = json!(0);
     });
     let decoded: Vec<bool> = scene.images.iter().map(|i| i.pixels.is_some()).collect();
-    assert_eq!(decoded, [true, false, false, false]);
+    assert_eq!(decoded, [true, true, false, false, false]);
     assert_eq!(scene.images[1].name, "bumps");
     let material = &scene.materials[0];
     assert!(material.normal_texture.is_some() && material.occlusion_texture.is_none());

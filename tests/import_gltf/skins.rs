@@ -1,6 +1,6 @@
 //! Meshes that joints and morph targets bend, against matrices multiplied by hand.
 
-use glam::{DAffine3, DMat3, DVec3, Vec3};
+use glam::{DAffine3, DMat3, DVec3, Vec3, Vec4};
 use serde_json::{Value, json};
 
 use crate::model::*;
@@ -79,6 +79,52 @@ fn normals_turn_with_their_joints() {
     close(normals[0], expected.to_array());
     close(normals[1], expected.to_array());
     close(normals[2], [0.0, 0.0, 1.0]);
+}
+
+/// Gives the model normals, tangents along (3, 4, 0), and a material that shows them.
+fn add_tangents(m: &mut Value) {
+    let normals = floats(&[0.0, 0.0, 1.0].repeat(3));
+    set_attribute(m, "NORMAL", &normals, FLOAT, 3, "VEC3");
+    let tangents = floats(&[0.6, 0.8, 0.0, -1.0].repeat(3));
+    set_attribute(m, "TANGENT", &tangents, FLOAT, 3, "VEC4");
+    m["images"] = json!([{"uri": format!("data:image/png;base64,{PNG}")}]);
+    m["textures"] = json!([{"source": 0}]);
+    m["materials"] = json!([{"normalTexture": {"index": 0}}]);
+    m["meshes"][0]["primitives"][0]["material"] = json!(0);
+}
+
+#[test]
+fn tangents_are_read_where_they_show_and_go_with_joints_and_morphs() {
+    let mut m = triangle();
+    add_tangents(&mut m);
+    let read = |m: &Value| load_model(m).expect("loads").meshes[0].tangents.clone();
+    assert_eq!(read(&m), [Vec4::new(0.6, 0.8, 0.0, -1.0); 3]);
+    m["materials"] = json!([{}]);
+    assert!(read(&m).is_empty());
+
+    let mut m = rigged();
+    add_tangents(&mut m);
+    // As vertices go, not as normals do: x squashed to a third, then a quarter turn.
+    m["nodes"][1]["scale"] = json!([1.0 / 3.0, 1, 1]);
+    let tangent = read(&m)[0];
+    close(
+        tangent.truncate(),
+        Vec3::new(-4.0, 1.0, 0.0).normalize().to_array(),
+    );
+    assert_eq!(tangent.w, -1.0);
+    // A mirror turns the bitangent.
+    m["nodes"][1]["scale"] = json!([1, 1, -1]);
+    assert_eq!(read(&m)[0].w, 1.0);
+
+    let mut m = morphing();
+    add_tangents(&mut m);
+    let aside = floats(&[-0.6, 0.0, 0.0].repeat(3));
+    let aside = add_accessor(&mut m, &aside, FLOAT, 3, "VEC3");
+    m["meshes"][0]["primitives"][0]["targets"][0]["TANGENT"] = json!(aside);
+    m["meshes"][0]["weights"] = json!([1.0, 0.0]);
+    let tangent = read(&m)[2];
+    close(tangent.truncate(), [0.0, 1.0, 0.0]);
+    assert_eq!(tangent.w, -1.0);
 }
 
 #[test]

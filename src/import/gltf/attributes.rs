@@ -19,6 +19,8 @@ const MAX_JOINT_SETS: u32 = 8;
 pub(super) struct Attributes {
     pub(super) position: usize,
     pub(super) normal: Option<usize>,
+    /// Only where there are normals, as the format has it, and something that shows tangents.
+    pub(super) tangent: Option<usize>,
     pub(super) color: Option<usize>,
     /// Set and accessor, ascending.
     pub(super) uvs: Vec<(u32, usize)>,
@@ -35,13 +37,15 @@ pub(super) struct Morph {
     pub(super) target: usize,
     pub(super) position: Option<usize>,
     pub(super) normal: Option<usize>,
+    pub(super) tangent: Option<usize>,
 }
 
 impl Attributes {
-    /// `None` without positions. What bends the mesh in `pose` needs attributes of its own.
+    /// `None` without positions. What bends the mesh in `pose` needs attributes of its own. Tangents are for meshes that show them.
     pub(super) fn of(
         json: &Primitive,
         pose: &MeshPose,
+        shows_tangents: bool,
         element: &str,
         notes: &mut Notes,
     ) -> Option<Self> {
@@ -68,9 +72,11 @@ impl Attributes {
                 _ => {}
             }
         }
+        let normal = accessor(Semantic::Normals);
         Some(Self {
             position: accessor(Semantic::Positions)?,
-            normal: accessor(Semantic::Normals),
+            normal,
+            tangent: accessor(Semantic::Tangents).filter(|_| shows_tangents && normal.is_some()),
             color: accessor(Semantic::Colors(0)),
             uvs,
             morphs: morphs(json, pose),
@@ -90,6 +96,7 @@ fn morphs(json: &Primitive, pose: &MeshPose) -> Vec<Morph> {
             target,
             position: json.positions.map(|a| a.value()),
             normal: json.normals.map(|a| a.value()),
+            tangent: json.tangents.map(|a| a.value()),
         })
     };
     targets.filter_map(morph).collect()
@@ -118,6 +125,15 @@ pub(super) fn unit_or_zero(normal: [f32; 3]) -> Vec3 {
     normal.try_normalize().map_or(Vec3::ZERO, |n| n.as_vec3())
 }
 
+/// A tangent of unit length with its handedness, 1 or -1; zero, which means none, where there is none.
+pub(super) fn tangent_or_zero([x, y, z, w]: [f32; 4]) -> Vec4 {
+    let tangent = unit_or_zero([x, y, z]);
+    if tangent == Vec3::ZERO {
+        return Vec4::ZERO;
+    }
+    tangent.extend(if w < 0.0 { -1.0 } else { 1.0 })
+}
+
 /// Texture coordinates, the origin where they are not finite.
 pub(super) fn finite_or_zero(uv: [f32; 2]) -> Vec2 {
     let uv = Vec2::from(uv);
@@ -142,6 +158,9 @@ mod tests {
         for none in [0.0, f32::NAN, f32::INFINITY] {
             assert_eq!(unit_or_zero([0.0, none, none]), Vec3::ZERO);
         }
+        assert_eq!(tangent_or_zero([0.0, 0.0, 0.0, 1.0]), Vec4::ZERO);
+        let sheared = tangent_or_zero([0.0, -2.0, 0.0, -0.5]);
+        assert_eq!(sheared, Vec4::new(0.0, -1.0, 0.0, -1.0));
         assert_eq!(finite_or_zero([f32::NAN, 1.0]), Vec2::ZERO);
         assert_eq!(color_or_white([f32::INFINITY, 0.0, 0.0, 0.0]), Vec4::ONE);
     }

@@ -15,16 +15,63 @@ use crate::scene::{
     AlphaMode, Clearcoat, Material, Sheen, Specular, TextureRef, Transmission, Volume,
 };
 
-/// The file's textures that give a material's colour, alpha or light: those of which pixels are needed.
+/// The texture slots of the extensions that are read: those of which pixels are needed.
+const LOBE_TEXTURES: [(&str, &[&str]); 5] = [
+    (
+        "KHR_materials_specular",
+        &["specularTexture", "specularColorTexture"],
+    ),
+    ("KHR_materials_transmission", &["transmissionTexture"]),
+    ("KHR_materials_volume", &["thicknessTexture"]),
+    (
+        "KHR_materials_clearcoat",
+        &[
+            "clearcoatTexture",
+            "clearcoatRoughnessTexture",
+            "clearcoatNormalTexture",
+        ],
+    ),
+    (
+        "KHR_materials_sheen",
+        &["sheenColorTexture", "sheenRoughnessTexture"],
+    ),
+];
+
+/// The file's textures that a material shows: those of which pixels are needed. Lobes that [`Material`] does not have, and
+/// what lies under an unlit or older material's own slots, are not among them.
 pub(super) fn shown_textures(json: &json::Material, shown: &mut BTreeSet<usize>) {
+    let find = |name| Extension::find(extensions(json), name);
     let pbr = &json.pbr_metallic_roughness;
     shown.extend(pbr.base_color_texture.as_ref().map(|t| t.index.value()));
+    if find("KHR_materials_unlit").is_some() {
+        return;
+    }
     shown.extend(json.emissive_texture.as_ref().map(|t| t.index.value()));
-    shown.extend(
-        specular_glossiness(json)
-            .and_then(|e| e.object("diffuseTexture"))
-            .and_then(|t| t.index("index")),
-    );
+    shown.extend(json.normal_texture.as_ref().map(|t| t.index.value()));
+    shown.extend(json.occlusion_texture.as_ref().map(|t| t.index.value()));
+    let texture = |e: Extension, key| e.object(key).and_then(|t| t.index("index"));
+    match specular_glossiness(json) {
+        Some(e) => shown.extend(texture(e, "diffuseTexture")),
+        None => {
+            let texture = pbr.metallic_roughness_texture.as_ref();
+            shown.extend(texture.map(|t| t.index.value()));
+        }
+    }
+    for (extension, keys) in LOBE_TEXTURES {
+        let extension = find(extension);
+        shown.extend(
+            extension
+                .into_iter()
+                .flat_map(|e| keys.iter().filter_map(move |key| texture(e, key))),
+        );
+    }
+}
+
+/// Whether a material looks normals up in the space of tangents.
+pub(super) fn shows_tangents(json: &json::Material) -> bool {
+    let coat = Extension::find(extensions(json), "KHR_materials_clearcoat");
+    let coat = coat.and_then(|e| e.object("clearcoatNormalTexture"));
+    json.normal_texture.is_some() || coat.is_some()
 }
 
 /// What primitives without a material have (glTF 2.0 specification, section 5.19).

@@ -14,6 +14,7 @@ use super::accessor::Accessor;
 use super::attributes::Attributes;
 use super::document::Document;
 use super::draco;
+use super::material;
 use super::notes::Notes;
 use super::pose::{MeshPose, Shape};
 use super::primitive;
@@ -49,6 +50,7 @@ pub(super) fn read(
             name: json.name.clone().unwrap_or_else(|| label.clone()),
             ..TriangleMesh::default()
         },
+        shows_tangents: document.root.materials.iter().any(material::shows_tangents),
         groups: Vec::new(),
         group_of: HashMap::new(),
     };
@@ -82,6 +84,8 @@ struct Reader<'a, 'file> {
     variant: Option<usize>,
     notes: Notes,
     mesh: TriangleMesh,
+    /// Whether some material of the file looks tangents up; which one a primitive has may be a variant's affair.
+    shows_tangents: bool,
     groups: Vec<Group>,
     /// The group of primitives with these attributes that are not compressed.
     group_of: HashMap<Attributes, usize>,
@@ -108,7 +112,9 @@ impl Reader<'_, '_> {
             self.notes.add(element, "points and lines are left out");
             return Ok(());
         }
-        let Some(attributes) = Attributes::of(json, self.pose, &element, &mut self.notes) else {
+        let shows_tangents = self.shows_tangents;
+        let attributes = Attributes::of(json, self.pose, shows_tangents, &element, &mut self.notes);
+        let Some(attributes) = attributes else {
             self.notes.add(element, "left out: it has no positions");
             return Ok(());
         };

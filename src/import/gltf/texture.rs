@@ -53,12 +53,16 @@ impl Textures {
         let mut is_lost = vec![false; read.len()];
         let mut images = Vec::with_capacity(read.len());
         for (i, image) in read.into_iter().enumerate() {
-            images.push(image.unwrap_or_else(|cause| {
+            let element = || label("image", i, root.images[i].name.as_ref());
+            let mut image = image.unwrap_or_else(|cause| {
                 is_lost[i] = true;
-                let element = label("image", i, root.images[i].name.as_ref());
-                notes.add(element, format!("left out of its materials: {cause}"));
+                notes.add(element(), format!("left out of its materials: {cause}"));
                 empty_image(document, i)
-            }));
+            });
+            if let Some(mended) = images::mend(&mut image) {
+                notes.add(element(), mended);
+            }
+            images.push(image);
         }
 
         let mut textures = Vec::new();

@@ -7,7 +7,9 @@ use std::ops::{Range, RangeInclusive};
 use glam::{DAffine3, DMat3, DVec3, Vec2, Vec3, Vec4};
 
 use super::accessor::Accessor;
-use super::attributes::{Attributes, color_or_white, finite_or_zero, unit_or_zero};
+use super::attributes::{
+    Attributes, color_or_white, finite_or_zero, tangent_or_zero, unit_or_zero,
+};
 use super::document::Document;
 use super::draco::Unpacked;
 use super::mesh::append;
@@ -57,8 +59,16 @@ pub(super) fn read(
         }
         None => None,
     };
+    let mut tangents = match attributes.tangent {
+        Some(index) => {
+            let tangents = reader.read("TANGENT", index, 4..=4, [0.0; 4])?;
+            tangents.into_iter().map(tangent_or_zero).collect()
+        }
+        None => Vec::new(),
+    };
     if !pose.is_at_rest() {
-        let is_mirrored = reader.bend(pose, &mut positions, normals.as_deref_mut())?;
+        let normals = normals.as_deref_mut();
+        let is_mirrored = reader.bend(pose, &mut positions, normals, &mut tangents)?;
         turn(mesh, &group.runs, base, &is_mirrored);
     }
     append(&mut mesh.positions, positions);
@@ -67,6 +77,12 @@ pub(super) fn read(
         append(&mut mesh.normals, normals);
     } else if !mesh.normals.is_empty() {
         mesh.normals.resize(end, Vec3::ZERO);
+    }
+    if !tangents.is_empty() {
+        mesh.tangents.resize(base, Vec4::ZERO);
+        append(&mut mesh.tangents, tangents);
+    } else if !mesh.tangents.is_empty() {
+        mesh.tangents.resize(end, Vec4::ZERO);
     }
     if let Some(index) = attributes.color {
         // The format wants integers normalised here; not all exporters say that they are.
@@ -141,17 +157,20 @@ impl<'a> Reader<'a, '_> {
         Ok(self.open(name, index, widths)?.read(self.used, fill))
     }
 
-    /// Moves vertices and their normals as morph targets and joints have it. Tells which are turned inside out; none, if there are
+    /// Moves vertices, their normals and tangents (none, or one a vertex) as morph targets and joints have it. Tells which are turned inside out; none, if there are
     /// no joints.
     fn bend(
         &self,
         pose: &MeshPose,
         positions: &mut [Vec3],
         normals: Option<&mut [Vec3]>,
+        tangents: &mut [Vec4],
     ) -> Result<Vec<bool>, String> {
         let double = |v: &[Vec3]| v.iter().map(|v| v.as_dvec3()).collect::<Vec<_>>();
         let mut points = double(positions);
         let mut directions = normals.as_deref().map_or_else(Vec::new, double);
+        let along = tangents.iter().map(|t| t.truncate().as_dvec3());
+        let mut along = along.collect::<Vec<_>>();
         for morph in &self.group.attributes.morphs {
             let weight = pose.weights[morph.target];
             let named = |what: &str| format!("morph target {}: {what}", morph.target);
@@ -162,6 +181,10 @@ impl<'a> Reader<'a, '_> {
             if let Some(index) = morph.normal.filter(|_| !directions.is_empty()) {
                 let moves = self.read(&named("NORMAL"), index, 3..=3, [0.0; 3])?;
                 add(&mut directions, weight, &moves);
+            }
+            if let Some(index) = morph.tangent.filter(|_| !along.is_empty()) {
+                let moves = self.read(&named("TANGENT"), index, 3..=3, [0.0; 3])?;
+                add(&mut along, weight, &moves);
             }
         }
         let mut is_mirrored = Vec::new();
@@ -178,12 +201,23 @@ impl<'a> Reader<'a, '_> {
                 let side = if is_mirrored[i] { -1.0 } else { 1.0 };
                 *direction = cofactors(&matrices[i].matrix3) * *direction * side;
             }
+            for (i, tangent) in along.iter_mut().enumerate() {
+                *tangent = matrices[i].matrix3 * *tangent;
+                if is_mirrored[i] {
+                    tangents[i].w = -tangents[i].w;
+                }
+            }
         }
         for (to, from) in positions.iter_mut().zip(points) {
             *to = from.as_vec3();
         }
         for (to, from) in normals.into_iter().flatten().zip(directions) {
             *to = from.try_normalize().map_or(Vec3::ZERO, |n| n.as_vec3());
+        }
+        for (to, from) in tangents.iter_mut().zip(along) {
+            *to = from
+                .try_normalize()
+                .map_or(Vec4::ZERO, |t| t.as_vec3().extend(to.w));
         }
         Ok(is_mirrored)
     }

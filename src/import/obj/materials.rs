@@ -75,9 +75,8 @@ impl Conversion<'_, '_> {
         Some(Vec3::new(next()?, next()?, next()?))
     }
 
-    fn texture(&mut self, statement: Option<&str>, with_pixels: bool) -> Option<TextureRef> {
-        self.textures
-            .find(&Map::parse(statement?), with_pixels, self.mtl)
+    fn texture(&mut self, statement: Option<&str>) -> Option<TextureRef> {
+        self.textures.find(&Map::parse(statement?), self.mtl)
     }
 
     fn note(&mut self, text: &str) {
@@ -86,7 +85,7 @@ impl Conversion<'_, '_> {
     }
 
     fn base_color(&mut self) {
-        let texture = self.texture(self.source.diffuse_texture.as_deref(), true);
+        let texture = self.texture(self.source.diffuse_texture.as_deref());
         let kd = color_of(self.source.diffuse).unwrap_or(Vec3::ONE);
         let color = if kd == Vec3::ZERO && texture.is_some() {
             Vec3::ONE
@@ -162,7 +161,7 @@ impl Conversion<'_, '_> {
                 self.note("is wholly transparent (d 0 or Tr 1): nothing of it shows");
             }
         }
-        if let Some(texture) = self.texture(source.dissolve_texture.as_deref(), true) {
+        if let Some(texture) = self.texture(source.dissolve_texture.as_deref()) {
             self.material.alpha_mode = AlphaMode::Blend;
             let channel = if self.textures.has_alpha(texture) {
                 OpacityChannel::Alpha
@@ -177,10 +176,7 @@ impl Conversion<'_, '_> {
     }
 
     fn emission(&mut self) {
-        let texture = self.texture(
-            self.source.unknown_param.get("map_Ke").map(String::as_str),
-            true,
-        );
+        let texture = self.texture(self.source.unknown_param.get("map_Ke").map(String::as_str));
         let ke = color_of(self.source.emissive).unwrap_or(Vec3::ZERO);
         self.material.emissive = match texture {
             Some(_) if ke == Vec3::ZERO => Vec3::ONE,
@@ -206,30 +202,27 @@ impl Conversion<'_, '_> {
         match (map_pr, map_pm) {
             // One image with both: roughness is green and metallic blue by convention.
             (Some(pr), Some(pm)) if pr == pm => {
-                self.material.metallic_roughness_texture = self.texture(Some(pr), false);
+                self.material.metallic_roughness_texture = self.texture(Some(pr));
                 if self.material.metallic_roughness_texture.is_some() {
                     self.material.metallic = self.number("Pm").unwrap_or(1.0).clamp(0.0, 1.0);
                 }
             }
             // A grey image: its blue channel multiplies a metallic of 0.
             (Some(pr), None) if self.material.metallic <= 0.0 => {
-                self.material.metallic_roughness_texture = self.texture(Some(pr), false);
+                self.material.metallic_roughness_texture = self.texture(Some(pr));
             }
             (None, None) => {}
             _ => {
                 self.note("map_Pr and map_Pm are left out; put both in one image (green and blue)")
             }
         }
-        self.material.normal_texture = self.texture(params.get("norm").map(String::as_str), false);
+        self.material.normal_texture = self.texture(params.get("norm").map(String::as_str));
         if let Some(statement) = &self.source.normal_texture {
             let map = Map::parse(statement);
-            self.material.bump = self
-                .textures
-                .find(&map, false, self.mtl)
-                .map(|texture| Bump {
-                    texture,
-                    scale: map.bump_factor,
-                });
+            self.material.bump = self.textures.find(&map, self.mtl).map(|texture| Bump {
+                texture,
+                scale: map.bump_factor,
+            });
         }
     }
 

@@ -127,14 +127,8 @@ impl<'b> Textures<'b> {
         }
     }
 
-    /// The texture that a statement of an MTL file names. Its pixels are read if a renderer uses them (`with_pixels`). `None`,
-    /// and a note, if the file is not there or cannot be read.
-    pub(super) fn find(
-        &mut self,
-        map: &Map,
-        with_pixels: bool,
-        mtl: &mut MtlFile,
-    ) -> Option<TextureRef> {
+    /// The texture that a statement of an MTL file names. `None`, and a note, if the file is not there or cannot be read.
+    pub(super) fn find(&mut self, map: &Map, mtl: &mut MtlFile) -> Option<TextureRef> {
         let candidates = [Some(map.name.as_str()), before_comment(&map.name)];
         let path = candidates
             .into_iter()
@@ -146,8 +140,12 @@ impl<'b> Textures<'b> {
                 .element(element, "is not there; materials do without it");
             return None;
         };
-        let image = match self.image(path, &map.name, with_pixels) {
-            Ok(image) => image,
+        let image = match self.image(path, &map.name) {
+            Ok((image, None)) => image,
+            Ok((image, Some(mended))) => {
+                mtl.notes.element(&element, &mended);
+                image
+            }
             Err(error) => {
                 let text = format!("cannot be read: {error}; materials do without it");
                 mtl.notes.element(element, text);
@@ -182,38 +180,25 @@ impl<'b> Textures<'b> {
         })
     }
 
-    fn image(&mut self, path: PathBuf, name: &str, with_pixels: bool) -> Result<u32, String> {
-        let known = self.image_of.get(&path).cloned().transpose()?;
-        if known.is_some_and(|i| !with_pixels || self.images[i as usize].pixels.is_some()) {
-            return known.ok_or_else(String::new);
+    /// The image of a file, with what was mended when it was read for the first time.
+    fn image(&mut self, path: PathBuf, name: &str) -> Result<(u32, Option<String>), String> {
+        if let Some(known) = self.image_of.get(&path) {
+            return known.clone().map(|index| (index, None));
         }
-        let image = if with_pixels {
-            let element = || format!("texture {name:?}");
-            let charge = |bytes| self.budget.charge(bytes, element);
-            let length = std::fs::metadata(&path).map_or(0, |m| m.len());
-            let read = || std::fs::read(&path).map_err(|e| e.to_string());
-            let bytes = charge(length).and_then(|()| read());
-            bytes.and_then(|bytes| images::decode(name, &bytes, charge))
-        } else {
-            Ok(Image {
-                name: name.to_owned(),
-                ..Image::default()
-            })
-        };
-        let index = image.map(|image| match known {
-            Some(index) => {
-                self.images[index as usize] = image;
-                index
-            }
-            None => {
-                self.images.push(image);
-                self.images.len() as u32 - 1
-            }
+        let element = || format!("texture {name:?}");
+        let charge = |bytes| self.budget.charge(bytes, element);
+        let length = std::fs::metadata(&path).map_or(0, |m| m.len());
+        let read = || std::fs::read(&path).map_err(|e| e.to_string());
+        let bytes = charge(length).and_then(|()| read());
+        let image = bytes.and_then(|bytes| images::decode(name, &bytes, charge));
+        let index = image.map(|mut image| {
+            let mended = images::mend(&mut image);
+            self.images.push(image);
+            (self.images.len() as u32 - 1, mended)
         });
-        if known.is_none() {
-            self.files.push(path.clone());
-            self.image_of.insert(path, index.clone());
-        }
+        self.files.push(path.clone());
+        self.image_of
+            .insert(path, index.clone().map(|(index, _)| index));
         index
     }
 

@@ -148,6 +148,11 @@ impl<'a> Bsdf<'a> {
         self.normals.shading
     }
 
+    /// Perceptual roughness of the base.
+    pub fn roughness(&self) -> f32 {
+        self.base.alpha.sqrt()
+    }
+
     /// The share of light that is scattered matt, by colour.
     pub fn diffuse_albedo(&self) -> Vec3 {
         self.diffuse_albedo

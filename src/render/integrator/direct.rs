@@ -4,6 +4,7 @@ use std::f32::consts::FRAC_1_PI;
 
 use glam::Vec3;
 
+use super::super::environment::EnvironmentSample;
 use super::super::lights::{Incident, cosine_hemisphere};
 use super::super::sampler::Sampler;
 use super::super::stage::Stage;
@@ -49,22 +50,26 @@ pub(super) fn shade(
             add(tracer, incident);
         }
     }
-    if let Some(sky) = stage.lights.sky() {
-        if let Some(incident) = stage.lights.sun(sampler.next_2d()) {
-            add(tracer, incident);
+    if let Some(environment) = &stage.environment {
+        let [sun, sky] = [sampler.next_2d(), sampler.next_2d()];
+        if let Some(found) = environment.sample_sun(sun) {
+            add(tracer, Incident::far(&found));
         }
-        let direction = cosine_hemisphere(surface.shading_normal, sampler.next_2d());
-        if direction.dot(surface.geometric_normal) > 0.0 {
-            let incident = Incident {
-                direction,
-                target: None,
-                irradiance: Vec3::ZERO,
-                density: f32::INFINITY,
-            };
-            let shadow = shadow_ray_to(surface, &incident, depth);
-            // The density, cosine over pi, cancels the cosine and leaves pi.
-            let visible = visibility(stage, tracer, shadow, RayKind::Shadow);
-            irradiance += sky.radiance(direction) * (std::f32::consts::PI * visible);
+        if environment.is_even() {
+            let direction = cosine_hemisphere(surface.shading_normal, sky);
+            let cosine = direction.dot(surface.shading_normal);
+            let density = cosine * FRAC_1_PI;
+            let radiance = environment.far(direction);
+            if density > 0.0 {
+                let found = EnvironmentSample {
+                    direction,
+                    radiance,
+                    density,
+                };
+                add(tracer, Incident::far(&found));
+            }
+        } else if let Some(found) = environment.sample_sky(sky) {
+            add(tracer, Incident::far(&found));
         }
     }
     material.emission + material.base_color * irradiance * FRAC_1_PI

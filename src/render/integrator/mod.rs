@@ -14,6 +14,7 @@ pub use plain::MOST_STEPS;
 use glam::Vec3;
 
 use super::partition;
+use super::ray_cone::RayCone;
 use super::sampler::Sampler;
 use super::stage::Stage;
 use super::surface::{MaterialPoint, Surface};
@@ -171,12 +172,13 @@ impl Integrator {
         matches!(self, Self::Fragment | Self::BspDepth)
     }
 
-    /// What the eye sees along a ray. Surfaces with alpha are laid over one another, front to back.
+    /// What the eye sees along a ray with a cone. Surfaces with alpha are laid over one another, front to back.
     pub fn sample(
         &self,
         stage: &Stage,
         tracer: &mut Tracer,
         ray: Ray,
+        cone: RayCone,
         sampler: &mut Sampler,
     ) -> Sample {
         let mut sample = Sample::default();
@@ -186,7 +188,7 @@ impl Integrator {
                 sample.backdrop = self.backdrop(stage, &ray) * (1.0 - sample.alpha);
                 return sample;
             };
-            let surface = Surface::at(stage, &ray, hit);
+            let surface = Surface::at(stage, &ray, hit).seen_in(stage, &ray, cone);
             let material = surface.material_point(stage);
             if material.alpha > 0.0 {
                 let seen = self.shade(stage, tracer, &ray, &surface, &material, sampler);
@@ -233,15 +235,12 @@ impl Integrator {
     }
 
     fn backdrop(&self, stage: &Stage, ray: &Ray) -> Vec3 {
-        if !self.computes_light() {
-            return match self {
-                Self::Cost => plain::cost(stage, ray),
-                _ => BACKDROP,
-            };
+        match self {
+            Self::Cost => plain::cost(stage, ray),
+            _ if self.computes_light() => stage.backdrop(ray.direction.normalize_or(Vec3::Y)),
+            _ if stage.hides_environment => Vec3::ZERO,
+            _ => BACKDROP,
         }
-        let direction = ray.direction.normalize_or(Vec3::Y);
-        let sky = stage.lights.sky();
-        sky.map_or(Vec3::ZERO, |sky| sky.radiance(direction))
     }
 }
 
@@ -250,11 +249,12 @@ pub(super) fn first_visible(
     stage: &Stage,
     tracer: &mut Tracer,
     ray: &mut Ray,
+    cone: RayCone,
     kind: RayKind,
 ) -> Option<(Surface, MaterialPoint)> {
     for _ in 0..MOST_LAYERS {
         let hit = tracer.closest(ray, kind)?;
-        let surface = Surface::at(stage, ray, hit);
+        let surface = Surface::at(stage, ray, hit).seen_in(stage, ray, cone);
         let material = surface.material_point(stage);
         if material.alpha > 0.0 {
             return Some((surface, material));

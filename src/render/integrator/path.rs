@@ -8,6 +8,7 @@ use super::{LightSearch, MOST_LAYERS, Radiance, shadow_ray_to, visibility};
 use crate::geometry::{Ray, RayOrigin};
 use crate::render::bsdf::{Bsdf, ScatterKind};
 use crate::render::lights::Incident;
+use crate::render::ray_cone::RayCone;
 use crate::render::sampler::Sampler;
 use crate::render::stage::Stage;
 use crate::render::surface::{MaterialPoint, Surface};
@@ -136,7 +137,8 @@ pub(super) fn shade(
             source: RayOrigin { depth, pixel: None },
             ..Ray::new(surface.origin_towards(next.direction), next.direction)
         };
-        let Some(hit) = follow(stage, tracer, &mut ray, kind, sampler) else {
+        let cone = surface.cone.widened(spread(next.kind, bsdf.roughness()));
+        let Some(hit) = follow(stage, tracer, &mut ray, cone, kind, sampler) else {
             let sky = beyond(stage, next.direction, from.density, limits);
             path.radiance += path.throughput * sky;
             break;
@@ -161,12 +163,13 @@ fn follow(
     stage: &Stage,
     tracer: &mut Tracer,
     ray: &mut Ray,
+    cone: RayCone,
     kind: RayKind,
     sampler: &mut Sampler,
 ) -> Option<(Surface, MaterialPoint)> {
     for _ in 0..MOST_LAYERS {
         let hit = tracer.closest(ray, kind)?;
-        let surface = Surface::at(stage, ray, hit);
+        let surface = Surface::at(stage, ray, hit).seen_in(stage, ray, cone);
         let material = surface.material_point(stage);
         if material.alpha >= 1.0 || sampler.next_1d() < material.alpha {
             return Some((surface, material));
@@ -176,7 +179,8 @@ fn follow(
     None
 }
 
-/// Light that the surface sends back of one light of each sort: a punctual one, a point of an emissive triangle, a point of the sun.
+/// Light that the surface sends back of one light of each sort: a punctual one, a point of an emissive triangle, a direction of
+/// the environment.
 fn look_for_lights(
     stage: &Stage,
     tracer: &mut Tracer,
@@ -214,22 +218,28 @@ fn look_for_lights(
             add(tracer, incident);
         }
     }
-    if lights.has_sun()
-        && let Some(incident) = lights.sun(sampler.next_2d())
+    if let Some(environment) = &stage.environment
+        && let Some(found) = environment.search(sampler.next_2d())
     {
-        add(tracer, incident);
+        add(tracer, Incident::far(&found));
     }
     sum
 }
 
-/// Radiance of sky and sun from a direction that was chosen with a density.
+/// Radiance of the environment from a direction that was chosen with a density.
 fn beyond(stage: &Stage, direction: Vec3, chosen: f32, limits: Limits) -> Vec3 {
-    let lights = &stage.lights;
-    let sky = lights
-        .sky()
-        .map_or(Vec3::ZERO, |sky| sky.radiance(direction));
-    match lights.sun_towards(direction) {
-        Some((radiance, density)) => sky + radiance * limits.weight(chosen, density, false),
-        None => sky,
+    let Some(environment) = &stage.environment else {
+        return Vec3::ZERO;
+    };
+    let (rest, searched, density) = environment.parts(direction);
+    rest + searched * limits.weight(chosen, density, false)
+}
+
+/// By how much a bounce widens the cone of a ray, in radians: a part of the lobe that its direction was chosen from, since the samples of a pixel
+/// fill the rest.
+fn spread(kind: ScatterKind, roughness: f32) -> f32 {
+    match kind {
+        ScatterKind::Diffuse => 0.25,
+        ScatterKind::Reflection | ScatterKind::Refraction => 0.25 * roughness * roughness,
     }
 }

@@ -1,7 +1,7 @@
 //! Ray tracing after Whitted ("An improved illumination model for shaded display", 1980), as the lecture teaches it: at each surface a
 //! shadow ray to each light, one mirror ray and one refraction ray, down to a recursion level.
 //!
-//! What the model has no rays for is stood in for: the light of the sky that matt surfaces get is its radiance along their normal,
+//! What the model has no rays for is stood in for: the light of the sky that matt surfaces get is what reaches their normal when nothing is in the way,
 //! lessened by baked occlusion; mirrors of middling roughness show the smooth reflection weakly and the sky for the rest; shadows of
 //! glass are lighter by what it lets pass, unbent.
 
@@ -11,6 +11,7 @@ use super::media::Media;
 use super::{MOST_LAYERS, NEARLY_OPAQUE, Radiance, first_visible, shadow_ray_to};
 use crate::geometry::{Ray, RayOrigin};
 use crate::render::lights::Incident;
+use crate::render::ray_cone::RayCone;
 use crate::render::sampler::Sampler;
 use crate::render::stage::Stage;
 use crate::render::surface::{MaterialPoint, Surface};
@@ -87,8 +88,8 @@ impl Whitted<'_, '_, '_> {
         }
         let normal = bsdf.shading_normal();
         let ambient = |direction| {
-            let sky = stage.lights.sky();
-            sky.map_or(Vec3::ZERO, |sky| sky.radiance(direction))
+            let environment = stage.environment.as_ref();
+            environment.map_or(Vec3::ZERO, |e| e.ambient(direction))
         };
         let occlusion = surface.texel(stage, own.occlusion_texture, ColorSpace::Linear);
         let occlusion = 1.0 + own.occlusion_strength * (occlusion.x - 1.0);
@@ -103,6 +104,7 @@ impl Whitted<'_, '_, '_> {
             smoothness * smoothness
         };
         direct += share * ambient(direction) * ((1.0 - sharp) * occlusion);
+        let cone = surface.cone;
         let mut send = |direction, kind, media, share| {
             let from = surface.origin_towards(direction);
             let source = RayOrigin { depth, pixel: None };
@@ -110,7 +112,7 @@ impl Whitted<'_, '_, '_> {
                 source,
                 ..Ray::new(from, direction)
             };
-            self.send(ray, kind, media, share, weight)
+            self.send((ray, cone), kind, media, share, weight)
         };
         let mut indirect = send(direction, RayKind::Reflection, media, share * sharp);
         if let Some((direction, share)) = mirrored.refraction {
@@ -133,7 +135,7 @@ impl Whitted<'_, '_, '_> {
     /// The light that a ray brings, times `share`.
     fn send(
         &mut self,
-        mut ray: Ray,
+        (mut ray, cone): (Ray, RayCone),
         kind: RayKind,
         media: Media,
         share: Vec3,
@@ -143,10 +145,10 @@ impl Whitted<'_, '_, '_> {
         if weight.max_element() < LEAST_WEIGHT || ray.source.depth > self.max_depth {
             return Vec3::ZERO;
         }
-        let seen = match first_visible(self.stage, self.tracer, &mut ray, kind) {
+        let seen = match first_visible(self.stage, self.tracer, &mut ray, cone, kind) {
             None => {
-                let sky = self.stage.lights.sky();
-                sky.map_or(Vec3::ZERO, |sky| sky.radiance(ray.direction))
+                let environment = self.stage.environment.as_ref();
+                environment.map_or(Vec3::ZERO, |e| e.far(ray.direction))
             }
             Some((surface, material)) => {
                 let seen = self.shade(&ray, &surface, &material, media, weight);
@@ -165,8 +167,9 @@ impl Whitted<'_, '_, '_> {
             let place = self.sampler.next_2d();
             all.extend(lights.emitter(self.stage.scene, point, choice, place));
         }
-        if lights.has_sun() {
-            all.extend(lights.sun(self.sampler.next_2d()));
+        if let Some(environment) = &self.stage.environment {
+            let found = environment.sample_sun(self.sampler.next_2d());
+            all.extend(found.as_ref().map(Incident::far));
         }
         all
     }

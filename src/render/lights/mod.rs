@@ -1,16 +1,15 @@
-//! Everything that sends light: punctual lights, emissive triangles, a sky and its sun.
+//! The lights that stand in the scene: punctual lights and emissive triangles.
 
 mod emitters;
 mod punctual;
-mod sun;
 
 use glam::Vec3;
 
 use self::emitters::Emitters;
-use self::sun::Sun;
+use super::environment::EnvironmentSample;
 use super::stage::StagedInstance;
 use crate::accel::Hit;
-use crate::scene::{Light, LightKind, Scene, Sky};
+use crate::scene::{Light, LightKind, Scene};
 
 /// Light that arrives at a point from one direction.
 #[derive(Clone, Copy, Debug)]
@@ -26,6 +25,16 @@ pub(super) struct Incident {
 }
 
 impl Incident {
+    /// Light from a direction of the environment.
+    pub(super) fn far(found: &EnvironmentSample) -> Self {
+        Self {
+            direction: found.direction,
+            target: None,
+            irradiance: found.radiance / found.density,
+            density: found.density,
+        }
+    }
+
     /// `None` for no light, and for light from the point itself, which has no direction.
     fn if_lit(self) -> Option<Self> {
         (self.irradiance.is_finite() && self.irradiance != Vec3::ZERO).then_some(self)
@@ -37,26 +46,15 @@ impl Incident {
 pub struct Lights {
     punctual: Vec<Light>,
     emitters: Emitters,
-    sky: Option<Sky>,
-    sun: Option<Sun>,
 }
 
 impl Lights {
-    /// The scene's own lights, and a sky if given, with its sun unless the scene brings one.
-    pub(super) fn new(scene: &Scene, instances: &[StagedInstance], sky: Option<Sky>) -> Self {
+    /// All of the scene.
+    pub(super) fn new(scene: &Scene, instances: &[StagedInstance]) -> Self {
         Self {
             punctual: scene.lights.clone(),
             emitters: Emitters::new(scene, instances),
-            sun: sky
-                .filter(|_| !has_directional(scene))
-                .map(|sky| Sun::of(&sky)),
-            sky,
         }
-    }
-
-    /// The sky, if there is one.
-    pub fn sky(&self) -> Option<&Sky> {
-        self.sky.as_ref()
     }
 
     /// How many triangles emit light.
@@ -72,11 +70,6 @@ impl Lights {
     /// Whether there are lights of no size.
     pub(super) fn has_punctual(&self) -> bool {
         !self.punctual.is_empty()
-    }
-
-    /// Whether anything is sampled with [`Lights::sun`].
-    pub(super) fn has_sun(&self) -> bool {
-        self.sun.is_some()
     }
 
     /// Light from each punctual light at a point.
@@ -130,16 +123,6 @@ impl Lights {
     /// The density with which [`Lights::emitter`] chooses the direction from `point` to a hit at `place` on an emitter.
     pub(super) fn emitter_density(&self, hit: Hit, point: Vec3, place: Vec3) -> f32 {
         self.emitters.density(hit, point, place)
-    }
-
-    /// Light from a point of the sun's disc.
-    pub(super) fn sun(&self, place: [f32; 2]) -> Option<Incident> {
-        self.sun.map(|sun| sun.sample(place))
-    }
-
-    /// Radiance of the sun from a direction, a unit vector, and the density with which [`Lights::sun`] chooses it.
-    pub(super) fn sun_towards(&self, direction: Vec3) -> Option<(Vec3, f32)> {
-        self.sun.and_then(|sun| sun.towards(direction))
     }
 }
 
@@ -209,7 +192,7 @@ mod tests {
             lights: vec![light(3.0, -1.0), light(0.0, 0.0), light(5.0, 2.0)],
             ..Scene::default()
         };
-        let lights = Lights::new(&scene, &[], None);
+        let lights = Lights::new(&scene, &[]);
         let all: f32 = lights.punctual(Vec3::ZERO).map(|i| i.irradiance.x).sum();
         let n = 1000;
         let worth = |d: Vec3| if d.x < 0.0 { 0.25 } else { 1.0 };

@@ -17,7 +17,7 @@ use super::canvas::{Canvas, line_coverage, nearest};
 use super::screen_map::ScreenMap;
 use crate::accel::extents::View;
 use crate::render::integrator::first_visible;
-use crate::render::{PixelRect, RayKind, Stage, Tracer};
+use crate::render::{PixelRect, RayCone, RayKind, Stage, Tracer};
 
 /// Edge of a tile, in pixels.
 const TILE: u32 = 32;
@@ -123,7 +123,13 @@ impl Tile {
                 // Rays beyond the picture have no pixel, and no screen extent rejects them.
                 let pixel = inside(x, view.size.0).zip(inside(y, view.size.1));
                 let mut ray = view.camera.ray(x as f64 + 0.5, y as f64 + 0.5, pixel);
-                let first = first_visible(stage, &mut tracer, &mut ray, RayKind::Eye);
+                let first = first_visible(
+                    stage,
+                    &mut tracer,
+                    &mut ray,
+                    RayCone::default(),
+                    RayKind::Eye,
+                );
                 let hit = first.map(|(surface, _)| surface.hit);
                 seen.push(hit.map(|hit| {
                     *numbers

@@ -145,6 +145,7 @@ mod tests {
     use crate::accel::AcceleratorKind;
     use crate::render::SkyMode;
     use crate::render::integrator::first_visible;
+    use crate::render::ray_cone::RayCone;
     use crate::render::tracer::{RayKind, Tracer};
     use crate::scene::Scene;
     use glam::Vec3;
@@ -206,7 +207,15 @@ mod tests {
                     for (x, y) in WHOLE.pixels() {
                         let (cx, cy) = (f64::from(x) + 0.5, f64::from(y) + 0.5);
                         let mut ray = view.camera.ray(cx, cy, Some((x, y)));
-                        if first_visible(stage, &mut tracer, &mut ray, RayKind::Eye).is_none() {
+                        if first_visible(
+                            stage,
+                            &mut tracer,
+                            &mut ray,
+                            RayCone::default(),
+                            RayKind::Eye,
+                        )
+                        .is_none()
+                        {
                             continue;
                         }
                         let ways = [
