@@ -196,6 +196,89 @@ fn phong_numbers_are_mapped() {
 }
 
 #[test]
+fn every_illumination_model_has_its_material() {
+    let of = |illum: u32, more: &str| {
+        let mtl =
+            format!("newmtl m\nKd 0.5 0.25 0.125\nKs 0.75 0.5 0.25\nNs 98\nillum {illum}\n{more}");
+        material(&mtl).1
+    };
+    let lobe = (0.02_f32).sqrt().sqrt();
+    let seen = |m: &Material| {
+        let specular = m.specular.map(|s| (s.factor, s.color));
+        let passes = m.transmission.map(|t| t.factor);
+        (m.metallic, m.roughness, specular, passes, m.alpha_mode)
+    };
+    let ks = Vec3::new(0.75, 0.5, 0.25);
+    let opaque = AlphaMode::Opaque;
+    let highlight = (0.0, lobe, Some((1.0, 2.0 * ks)), None, opaque);
+    for matt in [0, 1] {
+        let expected = (0.0, lobe, Some((0.0, Vec3::ONE)), None, opaque);
+        assert_eq!(seen(&of(matt, "")), expected);
+    }
+    for plain in [2, 4, 9, 10] {
+        assert_eq!(seen(&of(plain, "")), highlight, "{plain}");
+    }
+    // Air to 3 reflects (2 / 4)^2: a quarter, of which the colour makes Ks.
+    for mirror in [3, 8] {
+        let expected = (0.0, 0.0, Some((1.0, 4.0 * ks)), None, opaque);
+        assert_eq!(seen(&of(mirror, "Ni 3\n")), expected, "{mirror}");
+    }
+    let by_fresnel = (0.0, 0.0, Some((1.0, 2.0 * ks)), None, opaque);
+    assert_eq!(seen(&of(5, "")), by_fresnel);
+    for glass in [6, 7] {
+        let m = of(glass, "Ni 1.25\nTf 0.5 1 1\n");
+        assert_eq!(seen(&m), (0.0, 0.0, Some((1.0, ks)), Some(1.0), opaque));
+        assert_eq!((m.ior, m.base_color), (1.25, Vec4::new(0.5, 1.0, 1.0, 1.0)));
+        let clear = of(glass, "Ks 1 1 1\nd 0.25\n");
+        assert_eq!(seen(&clear), (0.0, 0.0, None, Some(0.75), opaque));
+    }
+    let glass = of(4, "Ni 1.5\nd 0.25\n");
+    assert_eq!(seen(&glass).3, Some(0.75));
+    for pane in [of(4, "d 0.25\n"), of(9, "Ni 1.5\nd 0.25\n")] {
+        assert_eq!(
+            (pane.transmission, pane.alpha_mode),
+            (None, AlphaMode::Blend)
+        );
+        assert_eq!(pane.base_color.w, 0.25);
+    }
+    let metal = of(3, "Ka 0.75 0.75 0.75\nKs 0.5 0.5 0.5\n");
+    assert_eq!(seen(&metal), (0.75, lobe, None, None, opaque));
+    assert_eq!(metal.base_color, Vec4::new(0.5, 0.25, 0.125, 1.0));
+    // The extension has the last word.
+    let physical = of(3, "Pr 0.5\nPm 0.25\n");
+    assert_eq!((physical.roughness, physical.metallic), (0.5, 0.25));
+}
+
+#[test]
+fn maps_of_reflection_and_normals_find_their_slots() {
+    let obj = format!("mtllib a.mtl\n{V}usemtl m\nf 1 2 3\n");
+    let load = |mtl: &str| {
+        let (blue, grey) = (png([127, 128, 250, 255]), png([90, 90, 90, 255]));
+        let files: [(&str, &[u8]); 4] = [
+            ("model.obj", obj.as_bytes()),
+            ("a.mtl", mtl.as_bytes()),
+            ("blue.png", &blue),
+            ("grey.png", &grey),
+        ];
+        let scene = load_files(&files).unwrap();
+        (notes(&scene), scene.materials[0].clone())
+    };
+    let (said, m) = load("newmtl m\nKd 1 1 1\nmap_Ks grey.png\nmap_Bump -bm 0.5 blue.png\n");
+    let specular = m.specular.unwrap();
+    assert!(specular.color_texture.is_some());
+    assert_eq!(specular.color, Vec3::splat(2.0));
+    assert!(m.normal_texture.is_some() && m.bump.is_none());
+    assert_eq!((m.normal_scale, said.len()), (0.5, 1));
+    let (said, m) =
+        load("newmtl m\nKd 0 0 0\nKs 1 1 1\nmap_Ks grey.png\nbump grey.png\nmap_Ns grey.png\n");
+    assert!(m.base_color_texture.is_some() && m.metallic == 1.0);
+    assert!(m.bump.is_some() && m.normal_texture.is_none());
+    assert!(said[0].ends_with("map_Ns left out"), "{said:?}");
+    let (_, m) = load("newmtl m\nnorm blue.png\nmap_Bump grey.png\n");
+    assert!(m.bump.is_some() && m.normal_texture.is_some());
+}
+
+#[test]
 fn textures_are_found_decoded_and_shared() {
     let mtl = "newmtl m\nmap_Kd -s 2 3 1 -o 0.5 0.25 my Tex.png\nmap_d -clamp on mask.png\nmap_Bump -bm 0.3 bump.png\nmap_Ke MY tex.png\n\
                newmtl n\nmap_Kd my Tex.png\n";

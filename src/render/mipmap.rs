@@ -9,6 +9,7 @@ use rayon::prelude::*;
 
 use super::texel::{Encoder, fetch};
 use super::texture::{ColorSpace, bilinear};
+use crate::picture::srgb;
 use crate::scene::{Pixels, Texture};
 
 /// All levels of an image but the finest, which is the image itself.
@@ -84,6 +85,13 @@ impl Level {
     /// The next coarser level of an image.
     fn below(source: &Pixels, from: (u32, u32), space: ColorSpace) -> Self {
         let size = ((from.0 / 2).max(1), (from.1 / 2).max(1));
+        if let Pixels::Rgba8(texels) = source
+            && from.0.is_multiple_of(2)
+            && from.1.is_multiple_of(2)
+        {
+            let pixels = Pixels::Rgba8(halved(texels, from, space));
+            return Self { size, pixels };
+        }
         let columns: Vec<Taps> = (0..size.0).map(|x| Taps::new(x, size.0, from.0)).collect();
         let rows = (0..size.1).into_par_iter();
         let texels = rows.flat_map_iter(|y| {
@@ -116,7 +124,7 @@ impl Level {
                 let code = |v: Vec4| {
                     let color = v.truncate().to_array();
                     let [r, g, b] = match space {
-                        ColorSpace::Srgb => color.map(|c| plain(crate::picture::srgb::encode(c))),
+                        ColorSpace::Srgb => color.map(|c| plain(srgb::encode(c))),
                         ColorSpace::Linear => color.map(plain),
                     };
                     [r, g, b, plain(v.w)]
@@ -127,6 +135,41 @@ impl Level {
         };
         Self { size, pixels }
     }
+}
+
+/// The means of two by two texels, of an image with even sides: what most textures are, several times as fast.
+fn halved(texels: &[[u8; 4]], from: (u32, u32), space: ColorSpace) -> Vec<[u8; 4]> {
+    let (width, wide) = (from.0 as usize / 2, from.0 as usize);
+    let mut means = vec![[0; 4]; width * (from.1 as usize / 2)];
+    // Ties go to the even code.
+    let plain = |[a, b, c, d]: [u8; 4]| {
+        let sum = [a, b, c, d].map(u16::from).iter().sum::<u16>();
+        ((sum + 1 + (sum >> 2 & 1)) >> 2) as u8
+    };
+    let (table, encoder) = (&*srgb::LINEAR_OF_U8, Encoder::srgb());
+    let lit = |[a, b, c, d]: [u8; 4]| {
+        let [a, b, c, d] = [a, b, c, d].map(|code| table[usize::from(code)]);
+        encoder.code((a + b + (c + d)) * 0.25)
+    };
+    let rows = means.par_chunks_mut(width);
+    rows.zip(texels.par_chunks(2 * wide))
+        .for_each(|(means, two)| {
+            let (upper, lower) = two.split_at(wide);
+            let pairs = upper
+                .as_chunks::<2>()
+                .0
+                .iter()
+                .zip(lower.as_chunks::<2>().0);
+            for (mean, ([a, b], [c, d])) in means.iter_mut().zip(pairs) {
+                let of = |channel: usize| [a[channel], b[channel], c[channel], d[channel]];
+                let [r, g, b] = match space {
+                    ColorSpace::Srgb => [0, 1, 2].map(|channel| lit(of(channel))),
+                    ColorSpace::Linear => [0, 1, 2].map(|channel| plain(of(channel))),
+                };
+                *mean = [r, g, b, plain(of(3))];
+            }
+        });
+    means
 }
 
 /// The texels of the finer level along one side that one of the coarser covers.
@@ -240,6 +283,34 @@ mod tests {
         // 188 is half of the light; half of 255 goes to the even code, and stays there.
         assert_eq!(coarsest(ColorSpace::Srgb), [188, 188, 188, 128]);
         assert_eq!(coarsest(ColorSpace::Linear), [128; 4]);
+    }
+
+    #[test]
+    fn the_fast_way_gives_what_the_plain_one_does() {
+        let noise = |i: u32| i.wrapping_mul(2_654_435_761).to_be_bytes();
+        let codes: Vec<[u8; 4]> = (0..32 * 16).map(noise).collect();
+        let floats = |space: ColorSpace| {
+            let of = |i| fetch(&Pixels::Rgba8(codes.clone()), i, space).to_array();
+            Pixels::RgbaF32((0..codes.len()).map(of).collect())
+        };
+        for space in [ColorSpace::Srgb, ColorSpace::Linear] {
+            let fast = Level::below(&Pixels::Rgba8(codes.clone()), (32, 16), space);
+            let exact = Level::below(&floats(space), (32, 16), ColorSpace::Linear);
+            let Pixels::Rgba8(fast) = &fast.pixels else {
+                panic!()
+            };
+            for (i, found) in fast.iter().enumerate() {
+                let [r, g, b, a] = fetch(&exact.pixels, i, ColorSpace::Linear).to_array();
+                let encode = |v: f32| match space {
+                    ColorSpace::Srgb => srgb::encode(v),
+                    ColorSpace::Linear => v,
+                };
+                let expected = [encode(r), encode(g), encode(b), a].map(|v| v * 255.0);
+                for (found, expected) in found.iter().zip(expected) {
+                    assert!((f32::from(*found) - expected).abs() < 0.501, "{i}");
+                }
+            }
+        }
     }
 
     #[test]

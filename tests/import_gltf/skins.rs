@@ -111,10 +111,10 @@ fn tangents_are_read_where_they_show_and_go_with_joints_and_morphs() {
         tangent.truncate(),
         Vec3::new(-4.0, 1.0, 0.0).normalize().to_array(),
     );
-    assert_eq!(tangent.w, -1.0);
+    assert!(tangent.w < 0.0);
     // A mirror turns the bitangent.
     m["nodes"][1]["scale"] = json!([1, 1, -1]);
-    assert_eq!(read(&m)[0].w, 1.0);
+    assert!(read(&m)[0].w > 0.0);
 
     let mut m = morphing();
     add_tangents(&mut m);
@@ -124,7 +124,7 @@ fn tangents_are_read_where_they_show_and_go_with_joints_and_morphs() {
     m["meshes"][0]["weights"] = json!([1.0, 0.0]);
     let tangent = read(&m)[2];
     close(tangent.truncate(), [0.0, 1.0, 0.0]);
-    assert_eq!(tangent.w, -1.0);
+    assert!(tangent.w < 0.0);
 }
 
 #[test]

@@ -3,17 +3,24 @@
 //! MTL says little of what its numbers mean. What is assumed here, in the space of linear Rec. 709:
 //! - `Kd` and the other colours are linear, as Blender and the renderers write and read them; images of colours are sRGB.
 //! - `Kd 0 0 0` beside `map_Kd` would show nothing: exporters mean the image alone. So with `Ke` and `map_Ke`.
-//! - `Ks` is relative to a dielectric's reflection, 0.5 being that of glass (Blender's convention); black `Kd` with
-//!   bright `Ks` is a metal of that colour. `illum 0` and `illum 1` have no reflection.
-//! - `Ns` is the exponent of Blinn's lobe: alpha = sqrt(2 / (Ns + 2)) (Walter et al. 2007), roughness = sqrt(alpha).
+//! - `illum` chooses mirrors and glass: [`super::illumination`] has the table. Without it, and with 2, there is a highlight.
+//! - `Ks` is relative to a dielectric's reflection, 0.5 being that of glass (Blender's convention); `map_Ks` multiplies it. Black
+//!   `Kd` with bright `Ks` is a metal of that colour. Of a mirror, `Ks` is the reflection itself; of glass, a tint.
+//! - `Ns` is the exponent of Blinn's lobe: alpha = sqrt(2 / (Ns + 2)) (Walter et al. 2007), roughness = sqrt(alpha). Mirrors and
+//!   glass are sharp whatever it is: it was their highlight's. `map_Ns` is left out: no factor takes exponents to roughness.
 //! - `Ni 1` is what exporters write who know of no refraction; it counts only where `illum` asks for refraction.
 //! - `d` is alpha, `Tr` is 1 - alpha where there is no `d`; both, and `map_d`, are blended, which is exact for leaves and
-//!   for glass. `illum 6` and `illum 7` refract: transmission, tinted by `Tf`.
+//!   for panes. Of glass, 1 - `d` is the share that passes, tinted by `Tf`; all of it passes where `d` is 1.
+//! - `Pr`, `Pm`, `Pc`, `Pcr`, `Ps`, `norm` and their maps, the extension for physically based materials (Clara.io, 2013), count before
+//!   what they replace.
+//! - `map_Bump` is a height map, but for images that are normal maps by their colours: then it is `norm`, with `-bm` for
+//!   its strength, as Blender reads it.
 //! - `Ka` is the answer to ambient light, of which there is none here; but above 1, and without `Ke`, it can only
 //!   mean a light (the Cornell box of Intel's Embree has its light so).
 
 use glam::Vec3;
 
+use super::illumination::{Illumination, is_normal_map};
 use super::mtl::MtlFile;
 use super::reader::MtlMaterial;
 use super::textures::{Map, Textures};
@@ -96,6 +103,23 @@ impl Conversion<'_, '_> {
         self.material.base_color_texture = texture;
     }
 
+    fn alpha(&self) -> f32 {
+        let of_tr = || self.number("Tr").map(|tr| 1.0 - tr);
+        let alpha = self.source.dissolve.or_else(of_tr);
+        alpha.unwrap_or(1.0).clamp(0.0, 1.0)
+    }
+
+    fn illumination(&self) -> Illumination {
+        let source = self.source;
+        Illumination::of(
+            source.illumination_model,
+            self.alpha(),
+            source.optical_density.unwrap_or(1.0),
+            color_of(source.ambient),
+            color_of(source.specular),
+        )
+    }
+
     fn reflection(&mut self) {
         let source = self.source;
         if let Some(ns) = source.shininess {
@@ -107,41 +131,84 @@ impl Conversion<'_, '_> {
         {
             self.material.ior = ni;
         }
-        let is_physical = self.other("Pm").is_some() || self.other("Pr").is_some();
-        let model = source.illumination_model;
-        let ks = match (color_of(source.specular), model) {
-            (_, Some(0 | 1)) => Some(Vec3::ZERO),
+        let illumination = self.illumination();
+        if illumination.is_sharp() {
+            self.material.roughness = 0.0;
+        }
+        let texture = self.texture(source.specular_texture.as_deref());
+        let ks = match (color_of(source.specular), illumination) {
+            (_, Illumination::Matt) => Some(Vec3::ZERO),
+            (Some(Vec3::ZERO), _) if texture.is_some() => Some(Vec3::ONE),
+            (None, _) => texture.map(|_| Vec3::ONE),
             (ks, _) => ks,
         };
+        let is_physical = self.other("Pm").is_some() || self.other("Pr").is_some();
+        match illumination {
+            Illumination::BlenderMetal(share) => {
+                self.material.metallic = share;
+                return;
+            }
+            Illumination::Glass => {
+                self.material.specular = self.glass_reflection(ks);
+                return;
+            }
+            _ => {}
+        }
         let Some(ks) = ks else { return };
         let is_black = color_of(source.diffuse) == Some(Vec3::ZERO)
             && self.material.base_color_texture.is_none();
-        if is_black && ks != Vec3::ZERO && !is_physical && !matches!(model, Some(4 | 6 | 7 | 9)) {
+        if is_black && ks != Vec3::ZERO && !is_physical && !self.has_glass_number() {
             self.material.metallic = 1.0;
             self.material.base_color = ks.min(Vec3::ONE).extend(1.0);
+            self.material.base_color_texture = texture;
         } else if ks == Vec3::ZERO && is_physical {
             // Programs that write Pr and Pm fill Ks with zeros.
         } else {
+            // The specular colour multiplies the reflection by the index of refraction.
+            let usual = match illumination {
+                Illumination::Mirror => self.normal_reflection(),
+                _ => USUAL_KS,
+            };
             self.material.specular = Some(Specular {
                 factor: if ks == Vec3::ZERO { 0.0 } else { 1.0 },
                 texture: None,
                 color: if ks == Vec3::ZERO {
                     Vec3::ONE
                 } else {
-                    ks / USUAL_KS
+                    ks / usual
                 },
-                color_texture: None,
+                color_texture: texture,
             });
         }
     }
 
+    /// Whether black `Kd` may mean glass rather than metal.
+    fn has_glass_number(&self) -> bool {
+        matches!(self.source.illumination_model, Some(4 | 6 | 7 | 9))
+    }
+
+    /// What the index of refraction reflects at normal incidence, by Fresnel; above 0.
+    fn normal_reflection(&self) -> f32 {
+        let ratio = (self.material.ior - 1.0) / (self.material.ior + 1.0);
+        (ratio * ratio).max(f32::MIN_POSITIVE)
+    }
+
+    /// The tint of what glass reflects: none if `Ks` is black or white, which exporters write who mean nothing by it.
+    fn glass_reflection(&self, ks: Option<Vec3>) -> Option<Specular> {
+        let color = ks?.min(Vec3::ONE);
+        let is_tint = color != Vec3::ZERO && color != Vec3::ONE;
+        is_tint.then_some(Specular {
+            factor: 1.0,
+            texture: None,
+            color,
+            color_texture: None,
+        })
+    }
+
     fn alpha_and_refraction(&mut self) {
         let source = self.source;
-        let alpha = source
-            .dissolve
-            .or_else(|| self.number("Tr").map(|tr| 1.0 - tr));
-        let alpha = alpha.unwrap_or(1.0).clamp(0.0, 1.0);
-        if let Some(6 | 7) = source.illumination_model {
+        let alpha = self.alpha();
+        if self.illumination() == Illumination::Glass {
             let factor = if alpha < 1.0 { 1.0 - alpha } else { 1.0 };
             self.material.transmission = Some(Transmission {
                 factor,
@@ -219,10 +286,19 @@ impl Conversion<'_, '_> {
         self.material.normal_texture = self.texture(params.get("norm").map(String::as_str));
         if let Some(statement) = &self.source.normal_texture {
             let map = Map::parse(statement);
-            self.material.bump = self.textures.find(&map, self.mtl).map(|texture| Bump {
-                texture,
-                scale: map.bump_factor,
-            });
+            let Some(texture) = self.textures.find(&map, self.mtl) else {
+                return;
+            };
+            if !is_normal_map(self.textures.mean(texture)) {
+                self.material.bump = Some(Bump {
+                    texture,
+                    scale: map.bump_factor,
+                });
+            } else if self.material.normal_texture.is_none() {
+                self.material.normal_texture = Some(texture);
+                self.material.normal_scale = map.bump_factor;
+                self.note("its map_Bump is a normal map by its colours, and is taken as one");
+            }
         }
     }
 
@@ -256,7 +332,6 @@ impl Conversion<'_, '_> {
         .into_iter()
         .filter(|name| source.unknown_param.contains_key(*name))
         .collect();
-        names.extend(source.specular_texture.as_ref().map(|_| "map_Ks"));
         names.extend(source.shininess_texture.as_ref().map(|_| "map_Ns"));
         if !names.is_empty() {
             let text = format!("{} left out", names.join(", "));

@@ -9,6 +9,7 @@ mod attributes;
 mod ears;
 mod faces;
 mod files;
+mod illumination;
 mod materials;
 mod mesh;
 mod mtl;

@@ -3,7 +3,7 @@
 use std::collections::HashMap;
 use std::path::PathBuf;
 
-use glam::{Affine2, Vec2, Vec3};
+use glam::{Affine2, DVec3, Vec2, Vec3};
 
 use super::super::budget::Budget;
 use super::super::images;
@@ -200,6 +200,29 @@ impl<'b> Textures<'b> {
         self.image_of
             .insert(path, index.clone().map(|(index, _)| index));
         index
+    }
+
+    /// The mean colour of a texture's image, of its numbers as they are: 0 to 1 but for floats. Black without pixels.
+    pub(super) fn mean(&self, texture: TextureRef) -> Vec3 {
+        let image = self.textures[texture.texture as usize].image;
+        let sum = |pixels: &mut dyn Iterator<Item = [f64; 3]>| {
+            let add = |(sum, count): (DVec3, f64), c| (sum + DVec3::from(c), count + 1.0);
+            let (sum, count) = pixels.fold((DVec3::ZERO, 0.0), add);
+            sum / f64::max(count, 1.0)
+        };
+        let mean = match &self.images[image as usize].pixels {
+            Some(Pixels::Rgba8(pixels)) => {
+                sum(&mut pixels.iter().map(|p| [p[0], p[1], p[2]].map(f64::from))) / 255.0
+            }
+            Some(Pixels::Rgba16(pixels)) => {
+                sum(&mut pixels.iter().map(|p| [p[0], p[1], p[2]].map(f64::from))) / 65_535.0
+            }
+            Some(Pixels::RgbaF32(pixels)) => {
+                sum(&mut pixels.iter().map(|p| [p[0], p[1], p[2]].map(f64::from)))
+            }
+            None => DVec3::ZERO,
+        };
+        mean.as_vec3()
     }
 
     /// Whether some pixel of a texture is not opaque.
