@@ -40,8 +40,8 @@ impl DisplayArgs {
             ToneMap::Clip
         });
         let factor = exposure_factor(self.exposure);
-        let mut pixels = film.map(|sum, _| {
-            let mean = sum.mean();
+        let mut pixels = film.map(|pixel| {
+            let mean = pixel.sum.mean();
             tonemap.apply(((mean.color + mean.backdrop) * factor).to_array())
         });
         let (width, height) = (film.window.width, film.window.height);

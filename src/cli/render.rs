@@ -191,7 +191,7 @@ pub(super) fn run(args: &RenderArgs) -> anyhow::Result<Done> {
         integrator,
         filter,
         counts_cost: has_layers || args.stats || args.json,
-        wants_first_hits: has_layers,
+        wants_layers: has_layers,
     };
     let studio = Studio {
         args,

@@ -24,7 +24,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use rayon::prelude::*;
 
 pub use aov::{LAYERS, Layer, NOTHING, PARTITION_LAYERS, layers};
-pub use film::{Film, FirstHit, PixelRect, PixelSum};
+pub use film::{Film, FirstHit, LayerSum, Pixel, PixelRect, PixelSum};
 pub use filter::PixelFilter;
 pub use framing::{CameraWishes, DEFAULT_VIEW_ANGLE, frame_scene};
 pub use integrator::{Integrator, Sample};
@@ -56,8 +56,8 @@ pub struct RenderOptions {
     pub filter: PixelFilter,
     /// Whether steps of traversal are counted.
     pub counts_cost: bool,
-    /// Whether the first hits of pixel centres are looked up.
-    pub wants_first_hits: bool,
+    /// Whether the film is for a file of layers: the first hits of pixel centres are looked up, and the parts of colours and their variance summed.
+    pub wants_layers: bool,
 }
 
 /// How a render is watched and ended.
@@ -92,11 +92,12 @@ pub fn render(
         camera,
         options,
     };
-    if options.wants_first_hits {
+    if options.wants_layers {
         // These rays are none of the samples', and are counted nowhere.
         film.tiles.par_iter_mut().for_each(|tile| {
             let mut tracer = Tracer::new(stage.accelerator, false);
             tile.first_hits = vec![None; tile.sums.len()];
+            tile.layers = vec![LayerSum::default(); tile.sums.len()];
             for ((x, y), first) in tile.rect.pixels().zip(&mut tile.first_hits) {
                 if observer.should_stop() {
                     break;
@@ -111,12 +112,17 @@ pub fn render(
         film.tiles.par_iter_mut().for_each(|tile| {
             let mut added = 0;
             let mut tracer = Tracer::new(stage.accelerator, options.counts_cost);
-            for ((x, y), sum) in tile.rect.pixels().zip(&mut tile.sums) {
+            for (index, ((x, y), sum)) in tile.rect.pixels().zip(&mut tile.sums).enumerate() {
+                let mut layers = tile.layers.get_mut(index);
                 for sample in done..end {
                     if observer.should_stop() {
                         break;
                     }
-                    sum.add(&pixel.sample(&mut tracer, x, y, sample));
+                    let sample = pixel.sample(&mut tracer, x, y, sample);
+                    sum.add(&sample);
+                    if let Some(layers) = &mut layers {
+                        layers.add(&sample, sum.samples);
+                    }
                     added += 1;
                 }
                 if let Some(cost) = &mut tracer.cost {

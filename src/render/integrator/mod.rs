@@ -36,14 +36,26 @@ pub enum Integrator {
 }
 
 /// What a sample of a pixel saw. Colours are linear radiance.
+///
+/// All but `alpha` and `backdrop` is already multiplied by how much of the pixel the surfaces cover.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Sample {
-    /// Light from surfaces, already multiplied by how much of the pixel they cover.
+    /// Light from surfaces: the sum of `direct` and `indirect`, but for rounding.
     pub color: Vec3,
     /// Share that surfaces cover.
     pub alpha: f32,
     /// Light from behind all surfaces, already multiplied by the share that they leave free.
     pub backdrop: Vec3,
+    /// The part of `color` that left the surface that the eye sees by itself, or came to it from a light without meeting another surface.
+    pub direct: Vec3,
+    /// The part of `color` that met further surfaces on its way.
+    pub indirect: Vec3,
+    /// Share of white light from everywhere that the surface throws back in all directions, 0 to 1.
+    pub diffuse_albedo: Vec3,
+    /// Share of white light from everywhere that the surface mirrors, sharply or not, or lets through, 0 to 1.
+    pub specular_albedo: Vec3,
+    /// Shading normal in world space, of unit length where one surface covers all.
+    pub normal: Vec3,
 }
 
 /// Surfaces with alpha that one ray passes before the rest counts as covered. Real models stack a few leaves or panes; the
@@ -96,6 +108,9 @@ impl Integrator {
                 let share = material.alpha * (1.0 - sample.alpha);
                 sample.color += color * share;
                 sample.alpha += share;
+                sample.direct += color * share;
+                sample.diffuse_albedo += material.base_color * share;
+                sample.normal += surface.shading_normal * share;
             }
             if 1.0 - sample.alpha < NEARLY_OPAQUE {
                 break;
