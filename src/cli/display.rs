@@ -3,6 +3,7 @@
 use bspray::picture::{Raster, RasterPixels, ToneMap, exposure_factor, srgb};
 use bspray::render::{Film, Integrator, Overlay};
 use clap::Args;
+use glam::Vec3;
 
 use super::values;
 
@@ -26,10 +27,11 @@ pub(super) struct DisplayArgs {
 }
 
 impl DisplayArgs {
-    /// The film as people see it. Normals are numbers, not light, and are stored as they are.
+    /// The film as people see it, with other colours of surfaces where it was denoised. Normals are numbers, not light, and are stored as they are.
     pub(super) fn raster(
         &self,
         film: &Film,
+        denoised: Option<&[Vec3]>,
         integrator: Integrator,
         overlay: Option<&Overlay>,
     ) -> Raster {
@@ -40,10 +42,10 @@ impl DisplayArgs {
             ToneMap::Clip
         });
         let factor = exposure_factor(self.exposure);
-        let mut pixels = film.map(|pixel| {
-            let mean = pixel.sum.mean();
-            tonemap.apply(((mean.color + mean.backdrop) * factor).to_array())
-        });
+        let mut pixels: Vec<_> = light(film, denoised)
+            .into_iter()
+            .map(|light| tonemap.apply((light * factor).to_array()))
+            .collect();
         let (width, height) = (film.window.width, film.window.height);
         if !matches!(integrator, Integrator::Normals) {
             if let Some(overlay) = overlay {
@@ -67,4 +69,19 @@ impl DisplayArgs {
             pixels: RasterPixels::Rgb(codes),
         }
     }
+}
+
+/// Linear radiance of surfaces, which are the film's or those given, and of what is behind them.
+pub(super) fn light(film: &Film, denoised: Option<&[Vec3]>) -> Vec<Vec3> {
+    let mut light = film.map(|pixel| {
+        let mean = pixel.sum.mean();
+        match denoised {
+            Some(_) => mean.backdrop,
+            None => mean.color + mean.backdrop,
+        }
+    });
+    for (light, color) in light.iter_mut().zip(denoised.unwrap_or_default()) {
+        *light += *color;
+    }
+    light
 }

@@ -15,6 +15,7 @@ mod inspect;
 mod inspect_bsp;
 mod inspect_extents;
 mod ladder;
+mod lens_args;
 mod metadata;
 mod model_args;
 mod numbers;

@@ -105,6 +105,10 @@ impl Studio<'_> {
         let (camera, camera_flags) = self.camera(shot);
         let radius = self.options.filter.radius();
         let view: View = camera_args::view(&camera, self.options.size, radius)?;
+        let view = View {
+            camera: args.lens.add_to(view.camera, &camera),
+            ..view
+        };
         let started = Instant::now();
         let build_options = args.extents.add_to(args.bsp.options(args.seed), view);
         let accelerator = &**accelerator.get_or_insert_with(|| {
@@ -121,7 +125,7 @@ impl Studio<'_> {
 
         let window = self.options.window;
         let samples = window.area() * u64::from(self.options.samples);
-        let watch = progress::begin(samples, args.quiet);
+        let watch = progress::begin(samples, args.time_limit, args.quiet);
         let started = Instant::now();
         let film = self
             .pool
@@ -161,17 +165,30 @@ impl Studio<'_> {
         if let Some(note) = note.filter(|_| !args.quiet) {
             output::message(&note);
         }
+        let denoised = args
+            .denoise
+            .then(|| self.pool.install(|| render::denoise(&film)));
         // One output that cannot be written does not take the others with it.
         let mut failures = shot.outputs.iter().filter_map(|(path, kind)| {
             let written = self.pool.install(|| match kind {
                 OutputKind::Exr => {
                     let layers = render::layers(&film, &view.camera);
+                    let layers = render::add_mattes(layers, &film, self.scene);
+                    let layers = match &denoised {
+                        Some(colors) => render::with_denoised(layers, colors),
+                        None => layers,
+                    };
                     let layers = overlay.iter().fold(layers, |layers, o| o.add_to(layers));
                     picture::exr::write(path, &metadata::add(layers, &summary))
                 }
                 OutputKind::Display => {
                     let integrator = self.options.integrator;
-                    let raster = args.display.raster(&film, integrator, overlay.as_ref());
+                    let raster = args.display.raster(
+                        &film,
+                        denoised.as_deref(),
+                        integrator,
+                        overlay.as_ref(),
+                    );
                     picture::ldr::write(path, &raster)
                 }
             });

@@ -120,7 +120,7 @@ pub const LAYERS: &[Layer] = &[
     },
     Layer {
         name: "Z",
-        description: "depth along the view axis, in model units; infinite where nothing is met",
+        description: "depth along the view axis (in a panorama the distance), in model units; infinite where nothing is met",
         channels: &[("Z", Value::Float(first!(f32::INFINITY, hit => hit.depth)))],
     },
     Layer {
@@ -298,9 +298,12 @@ pub fn layers(film: &Film, camera: &CameraFrame) -> Picture {
         picture = picture.with_channel(Channel::new(*name, samples));
     }
     let [to_camera, to_ndc] = matrices(camera).map(|m| Attribute::M44(m.as_mat4().to_cols_array()));
-    picture
-        .with_attribute(attribute::WORLD_TO_CAMERA, to_camera)
-        .with_attribute(attribute::WORLD_TO_NDC, to_ndc)
+    let picture = picture.with_attribute(attribute::WORLD_TO_CAMERA, to_camera);
+    if camera.has_screen() {
+        picture.with_attribute(attribute::WORLD_TO_NDC, to_ndc)
+    } else {
+        picture
+    }
 }
 
 /// World space to OpenEXR's camera space (x right, y up, z forward), and on to x and y from -1 to 1 over the picture.

@@ -3,6 +3,7 @@
 use glam::{DVec3, Vec2, Vec3};
 use rayon::prelude::*;
 
+use super::cryptomatte::{MatteKind, TileMattes};
 use super::integrator::Sample;
 use super::partition::FragmentPoint;
 use super::tracer::RayCounts;
@@ -161,6 +162,8 @@ pub struct Pixel<'a> {
     pub first: Option<&'a FirstHit>,
     /// Further sums; `None` where no layers were asked for.
     pub layers: Option<&'a LayerSum>,
+    /// What covers the pixels of its tile, and its index among them.
+    mattes: (&'a TileMattes, usize),
 }
 
 impl Pixel<'_> {
@@ -178,6 +181,15 @@ impl Pixel<'_> {
             specular_albedo: layers.specular_albedo * share,
             normal: layers.normal * share,
             ..mean
+        }
+    }
+
+    /// The six ids of the greatest coverage, with the share of the pixel that each covers; zeroes behind the last. None without layers.
+    pub(super) fn matte_ranks(&self, kind: MatteKind) -> [(u32, f32); 6] {
+        let (tile, index) = self.mattes;
+        match self.layers {
+            Some(_) => tile.ranks(kind, index, self.sum.samples),
+            None => [(0, 0.0); 6],
         }
     }
 
@@ -201,6 +213,8 @@ pub(super) struct Tile {
     pub(super) first_hits: Vec<Option<FirstHit>>,
     /// Empty unless layers are asked for.
     pub(super) layers: Vec<LayerSum>,
+    /// Empty unless layers are asked for.
+    pub(super) mattes: TileMattes,
     pub(super) rays: RayCounts,
 }
 
@@ -226,6 +240,7 @@ impl Film {
             sums: vec![PixelSum::default(); rect.area() as usize],
             first_hits: Vec::new(),
             layers: Vec::new(),
+            mattes: TileMattes::default(),
             rays: RayCounts::default(),
         };
         let tiles = window.tiles(TILE).into_iter().map(tile).collect();
@@ -278,6 +293,7 @@ impl Film {
                             sum,
                             first: tile.first_hits.get(index).and_then(Option::as_ref),
                             layers: tile.layers.get(index),
+                            mattes: (&tile.mattes, index),
                         };
                         let row = (y - tile.rect.y) as usize;
                         band[row * width + (x - self.window.x) as usize] = value(&pixel);
@@ -340,6 +356,7 @@ mod tests {
             sum: &sum,
             first: None,
             layers: Some(&layers),
+            mattes: (&TileMattes::default(), 0),
         };
         let want = squares / 999.0 / 1000.0;
         let [x, y, z] = pixel.variance().to_array().map(f64::from);

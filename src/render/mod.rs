@@ -5,6 +5,8 @@
 //! crop do not change a bit of the picture.
 
 mod aov;
+mod cryptomatte;
+mod denoise;
 mod film;
 mod filter;
 mod framing;
@@ -24,6 +26,8 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use rayon::prelude::*;
 
 pub use aov::{LAYERS, Layer, NOTHING, PARTITION_LAYERS, layers};
+pub use cryptomatte::{MatteKind, add_mattes, matte_id};
+pub use denoise::{denoise, with_denoised};
 pub use film::{Film, FirstHit, LayerSum, Pixel, PixelRect, PixelSum};
 pub use filter::PixelFilter;
 pub use framing::{CameraWishes, DEFAULT_VIEW_ANGLE, frame_scene};
@@ -35,9 +39,10 @@ pub use sampler::Sampler;
 pub use secondary::{hemisphere_ray, shadow_ray};
 pub use stage::{SkyMode, Stage};
 pub use surface::{MaterialPoint, Surface};
-pub use tracer::{Answer, RayCounts, RayKind, TracedRay, Tracer};
+pub use tracer::{Answer, Covered, RayCounts, RayKind, TracedRay, Tracer};
 
 use crate::scene::CameraFrame;
+use cryptomatte::{MatteIds, TileMattes};
 
 /// What to render, and how.
 #[derive(Clone, Copy, Debug)]
@@ -46,7 +51,7 @@ pub struct RenderOptions {
     pub size: (u32, u32),
     /// The part of it that is rendered.
     pub window: PixelRect,
-    /// Samples a pixel.
+    /// Samples a pixel. Their places depend on it: with 8 in place of 16, a pixel does not have the first 8 of these.
     pub samples: u32,
     /// Changes every random number.
     pub seed: u32,
@@ -62,6 +67,16 @@ pub struct RenderOptions {
 
 /// How a render is watched and ended.
 pub trait Observer: Sync {
+    /// Called before every pass with the samples that each pixel has and those that the pass would add; how many it shall add, 0 to end the render,
+    /// which is complete then. The first pass always adds one.
+    fn next_pass(&self, done: u32, planned: u32) -> u32 {
+        let _ = done;
+        planned
+    }
+    /// Called after every pass that was not stopped, with the picture so far.
+    fn pass_done(&self, film: &Film) {
+        let _ = film;
+    }
     /// Called after every tile, from any thread, with the number of samples it added.
     fn samples_done(&self, samples: u64);
     /// Whether to end now, with the picture so far. Asked for every pixel.
@@ -78,7 +93,7 @@ impl Observer for AtomicBool {
 
 /// Renders with the threads of the rayon pool in which it is called.
 ///
-/// The picture comes in passes of 1, 1, 2, 4, 8 and more samples a pixel, so that one that is stopped shows everything.
+/// The picture comes in passes of 1, 1, 2, 4, 8 and more samples a pixel, so that one that is stopped shows everything. The observer may make them smaller.
 pub fn render(
     stage: &Stage,
     camera: &CameraFrame,
@@ -98,6 +113,7 @@ pub fn render(
             let mut tracer = Tracer::new(stage.accelerator, false);
             tile.first_hits = vec![None; tile.sums.len()];
             tile.layers = vec![LayerSum::default(); tile.sums.len()];
+            tile.mattes = TileMattes::new(tile.sums.len());
             for ((x, y), first) in tile.rect.pixels().zip(&mut tile.first_hits) {
                 if observer.should_stop() {
                     break;
@@ -106,12 +122,19 @@ pub fn render(
             }
         });
     }
+    let ids = options.wants_layers.then(|| MatteIds::of(stage.scene));
     let mut done = 0;
     while done < options.samples && !observer.should_stop() {
-        let end = done.saturating_mul(2).clamp(1, options.samples);
+        let planned = done.clamp(1, options.samples - done);
+        let wanted = observer.next_pass(done, planned).min(planned);
+        if done > 0 && wanted == 0 {
+            break;
+        }
+        let end = done + wanted.max(1);
         film.tiles.par_iter_mut().for_each(|tile| {
             let mut added = 0;
             let mut tracer = Tracer::new(stage.accelerator, options.counts_cost);
+            tracer.covered = options.wants_layers.then(Vec::new);
             for (index, ((x, y), sum)) in tile.rect.pixels().zip(&mut tile.sums).enumerate() {
                 let mut layers = tile.layers.get_mut(index);
                 for sample in done..end {
@@ -123,6 +146,9 @@ pub fn render(
                     if let Some(layers) = &mut layers {
                         layers.add(&sample, sum.samples);
                     }
+                    if let (Some(ids), Some(covered)) = (&ids, &mut tracer.covered) {
+                        tile.mattes.add(index, ids, covered, sample.alpha);
+                    }
                     added += 1;
                 }
                 if let Some(cost) = &mut tracer.cost {
@@ -133,8 +159,11 @@ pub fn render(
             observer.samples_done(added);
         });
         done = end;
+        if !observer.should_stop() {
+            observer.pass_done(&film);
+        }
     }
-    film.is_complete = film.samples() == options.window.area() * u64::from(options.samples);
+    film.is_complete = done > 0 && film.samples() == options.window.area() * u64::from(done);
     film
 }
 
@@ -151,19 +180,21 @@ pub struct PixelRenderer<'a> {
 impl PixelRenderer<'_> {
     /// One sample of a pixel.
     pub fn sample(&self, tracer: &mut Tracer, x: u32, y: u32, sample: u32) -> Sample {
-        let mut sampler = Sampler::new(x, y, sample, self.options.seed);
-        let (dx, dy) = self.options.filter.sample(sampler.next_2d());
-        let ray = self.camera.ray(
-            f64::from(x) + 0.5 + dx,
-            f64::from(y) + 0.5 + dy,
-            Some((x, y)),
-        );
+        let options = self.options;
+        let mut sampler = Sampler::among(x, y, sample, options.samples, options.seed);
+        let (dx, dy) = options.filter.sample(sampler.next_2d());
+        let (column, row) = (f64::from(x) + 0.5 + dx, f64::from(y) + 0.5 + dy);
+        let ray = if self.camera.lens().is_some() {
+            self.camera.lens_ray(column, row, sampler.next_2d())
+        } else {
+            self.camera.ray(column, row, Some((x, y)))
+        };
         self.options
             .integrator
             .sample(self.stage, tracer, ray, &mut sampler)
     }
 
-    /// What the ray through a pixel's centre meets first. Places where a material's alpha is zero do not count.
+    /// What the ray through a pixel's centre, and the middle of the lens, meets first. Places where a material's alpha is zero do not count.
     pub fn first_hit(&self, tracer: &mut Tracer, x: u32, y: u32) -> Option<FirstHit> {
         let ray = self
             .camera

@@ -5,6 +5,8 @@ mod compare;
 mod errors;
 mod extents;
 mod frames;
+mod lens;
+mod mattes;
 mod models;
 mod outputs;
 mod overlay;

@@ -109,6 +109,7 @@ impl Integrator {
                 sample.color += color * share;
                 sample.alpha += share;
                 sample.direct += color * share;
+                tracer.cover(hit.instance, surface.material, share);
                 sample.diffuse_albedo += material.base_color * share;
                 sample.normal += surface.shading_normal * share;
             }
