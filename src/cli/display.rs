@@ -15,7 +15,7 @@ pub(super) struct DisplayArgs {
     /// clip for the integrators that do not compute light]
     #[arg(long, value_name = "NAME")]
     tonemap: Option<ToneMap>,
-    /// Brightness of PNG and JPEG, in stops
+    /// Exposure of PNG and JPEG in stops (EV), each of which doubles the light
     #[arg(
         long,
         value_name = "STOPS",

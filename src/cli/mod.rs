@@ -27,6 +27,7 @@ mod render;
 mod shell;
 mod shot;
 mod summary;
+mod tev;
 mod values;
 
 use std::process::ExitCode;

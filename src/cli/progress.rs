@@ -6,10 +6,12 @@ use std::sync::atomic::{AtomicBool, AtomicU8, AtomicU64, Ordering};
 use std::time::Instant;
 
 use anyhow::Context;
-use bspray::render::Observer;
+use bspray::render::{Film, Observer};
 use indicatif::{ProgressBar, ProgressStyle};
 
+use super::display::light;
 use super::output;
+use super::tev::Server;
 
 /// What the program is doing, which decides what a signal does.
 static PHASE: AtomicU8 = AtomicU8::new(BEFORE_PICTURE);
@@ -40,7 +42,12 @@ pub(super) fn handle_signals() -> anyhow::Result<()> {
 }
 
 /// Says that the render begins, and watches it.
-pub(super) fn begin(total: u64, time_limit: Option<f32>, quiet: bool) -> RenderProgress {
+pub(super) fn begin<'a>(
+    total: u64,
+    time_limit: Option<f32>,
+    display: Option<(&'a Server, &'a str)>,
+    quiet: bool,
+) -> RenderProgress<'a> {
     PHASE.store(RENDERING, Ordering::Relaxed);
     let style = if quiet {
         Style::Quiet
@@ -63,6 +70,7 @@ pub(super) fn begin(total: u64, time_limit: Option<f32>, quiet: bool) -> RenderP
         total,
         begun: Instant::now(),
         time_limit: time_limit.map(f64::from),
+        display,
     }
 }
 
@@ -74,16 +82,18 @@ enum Style {
 }
 
 /// A render being watched.
-pub(super) struct RenderProgress {
+pub(super) struct RenderProgress<'a> {
     style: Style,
     done: AtomicU64,
     total: u64,
     begun: Instant,
     /// In seconds.
     time_limit: Option<f64>,
+    /// What shows it, and the image's name there.
+    display: Option<(&'a Server, &'a str)>,
 }
 
-impl Observer for RenderProgress {
+impl Observer for RenderProgress<'_> {
     fn samples_done(&self, samples: u64) {
         let before = self.done.fetch_add(samples, Ordering::Relaxed);
         match &self.style {
@@ -102,6 +112,12 @@ impl Observer for RenderProgress {
         STOP.load(Ordering::Relaxed)
     }
 
+    fn pass_done(&self, film: &Film) {
+        if let Some((server, name)) = self.display {
+            server.offer(name, film.window, light(film, None));
+        }
+    }
+
     fn next_pass(&self, done: u32, planned: u32) -> u32 {
         let Some(limit) = self.time_limit else {
             return planned;
@@ -116,7 +132,7 @@ impl Observer for RenderProgress {
     }
 }
 
-impl RenderProgress {
+impl RenderProgress<'_> {
     /// Says that the render has ended and writing begins.
     pub(super) fn end(self) {
         PHASE.store(WRITING, Ordering::Relaxed);

@@ -21,6 +21,7 @@ use super::model_args::ModelArgs;
 use super::overlay_args::OverlayArgs;
 use super::shot::Studio;
 use super::summary::Seconds;
+use super::tev::Server;
 use super::values::{self, CropWindow, PixelBounds};
 use super::{Done, UsageError, output, progress};
 
@@ -97,6 +98,9 @@ pub(super) struct RenderArgs {
     pub(super) display: DisplayArgs,
     #[command(flatten)]
     pub(super) overlay: OverlayArgs,
+    /// Show the picture while it is rendered, in tev, which listens on port 14158, or another program of its protocol
+    #[arg(long, value_name = "HOST:PORT", value_parser = values::address, conflicts_with = "pixel", help_heading = "Display")]
+    display_server: Option<String>,
     /// Print everything about one pixel's rays instead of rendering
     #[arg(long, value_name = "X,Y", value_parser = values::pixel, help_heading = "Reports")]
     pub(super) pixel: Option<(u32, u32)>,
@@ -164,6 +168,10 @@ pub(super) fn run(args: &RenderArgs) -> anyhow::Result<Done> {
     args.lens.check(args.overlay.is_wanted())?;
     let window = window(args)?;
 
+    let address = args.display_server.as_deref();
+    let display = address
+        .map(|address| Server::connect(address, args.quiet))
+        .transpose()?;
     let started = Instant::now();
     let scene = args.input.load()?;
     let load = started.elapsed().as_secs_f64();
@@ -220,6 +228,7 @@ pub(super) fn run(args: &RenderArgs) -> anyhow::Result<Done> {
         trees,
         options,
         pool,
+        display,
         before: Seconds {
             load,
             build,

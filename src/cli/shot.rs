@@ -10,10 +10,12 @@ use bspray::render::{self, RenderOptions, Stage};
 use bspray::scene::{Camera, Scene};
 use serde_json::{Value, json};
 
+use super::display::light;
 use super::files::OutputKind;
 use super::frames::Shot;
 use super::render::RenderArgs;
 use super::summary::{RenderSummary, Seconds};
+use super::tev::Server;
 use super::{Done, camera_args, metadata, output, pixel, progress};
 
 /// Everything that all pictures of a run share.
@@ -26,6 +28,8 @@ pub(super) struct Studio<'a> {
     pub(super) trees: Option<SceneTrees>,
     pub(super) options: RenderOptions,
     pub(super) pool: rayon::ThreadPool,
+    /// Shows pictures while they are rendered.
+    pub(super) display: Option<Server>,
     /// What loading the scene and building its trees took.
     pub(super) before: Seconds,
 }
@@ -125,7 +129,15 @@ impl Studio<'_> {
 
         let window = self.options.window;
         let samples = window.area() * u64::from(self.options.samples);
-        let watch = progress::begin(samples, args.time_limit, args.quiet);
+        let name = match shot.outputs.first() {
+            Some((path, _)) => path.display().to_string(),
+            None => "bspray".to_owned(),
+        };
+        if let Some(server) = &self.display {
+            server.create(&name, self.options.size);
+        }
+        let display = self.display.as_ref().map(|server| (server, name.as_str()));
+        let watch = progress::begin(samples, args.time_limit, display, args.quiet);
         let started = Instant::now();
         let film = self
             .pool
@@ -168,6 +180,9 @@ impl Studio<'_> {
         let denoised = args
             .denoise
             .then(|| self.pool.install(|| render::denoise(&film)));
+        if let Some(server) = &self.display {
+            server.finish(&name, window, light(&film, denoised.as_deref()));
+        }
         // One output that cannot be written does not take the others with it.
         let mut failures = shot.outputs.iter().filter_map(|(path, kind)| {
             let written = self.pool.install(|| match kind {

@@ -260,14 +260,11 @@ mod tests {
             error(&noisy)
         );
         // At the step, where a blur would be wrong by a third of it.
-        for y in 0..HEIGHT {
-            for x in [19, 20] {
-                let (found, want) = (colors[y * WIDTH + x], truth[y * WIDTH + x]);
-                assert!(
-                    (found - want).abs().max_element() < 0.15 * want.x,
-                    "{x} {y}: {found} {want}"
-                );
-            }
+        for x in [19, 20] {
+            let share =
+                |y: usize| (colors[y * WIDTH + x] / truth[y * WIDTH + x]).element_sum() / 3.0;
+            let mean = (0..HEIGHT).map(share).sum::<f32>() / HEIGHT as f32;
+            assert!((mean - 1.0).abs() < 0.05, "{x}: {mean}");
         }
     }
 

@@ -123,14 +123,15 @@ pub fn render(
         });
     }
     let ids = options.wants_layers.then(|| MatteIds::of(stage.scene));
-    let mut done = 0;
-    while done < options.samples && !observer.should_stop() {
-        let planned = done.clamp(1, options.samples - done);
-        let wanted = observer.next_pass(done, planned).min(planned);
-        if done > 0 && wanted == 0 {
+    let (mut done, mut wanted) = (0, options.samples);
+    while done < wanted && !observer.should_stop() {
+        let planned = done.clamp(1, wanted - done);
+        let pass = observer.next_pass(done, planned).min(planned);
+        if done > 0 && pass == 0 {
+            wanted = done;
             break;
         }
-        let end = done + wanted.max(1);
+        let end = done + pass.max(1);
         film.tiles.par_iter_mut().for_each(|tile| {
             let mut added = 0;
             let mut tracer = Tracer::new(stage.accelerator, options.counts_cost);
@@ -163,7 +164,7 @@ pub fn render(
             observer.pass_done(&film);
         }
     }
-    film.is_complete = done > 0 && film.samples() == options.window.area() * u64::from(done);
+    film.is_complete = film.samples() == options.window.area() * u64::from(wanted);
     film
 }
 

@@ -2,6 +2,7 @@
 
 mod camera;
 mod compare;
+mod denoise;
 mod errors;
 mod extents;
 mod frames;
@@ -16,4 +17,5 @@ mod run;
 mod shell;
 #[cfg(unix)]
 mod signals;
+mod tev;
 mod views;
