@@ -224,7 +224,7 @@ fn picture(stage: &Stage, integrator: Integrator) -> Film {
         integrator,
         filter: PixelFilter::BlackmanHarris,
         counts_cost: false,
-        wants_first_hits: false,
+        wants_layers: false,
     };
     render(stage, &frame, &options, &AtomicBool::new(false))
 }

@@ -35,7 +35,7 @@
 //!     integrator: Integrator::Direct,
 //!     filter: PixelFilter::Box,
 //!     counts_cost: true,
-//!     wants_first_hits: true,
+//!     wants_layers: true,
 //! };
 //! let film = render(&stage, &frame, &options, &AtomicBool::new(false));
 //! assert!(film.is_complete);

@@ -59,11 +59,24 @@ fn pixel_bits(sum: &PixelSum, first: Option<&FirstHit>) -> Bits {
 }
 
 fn bits(film: &Film) -> Vec<Bits> {
-    film.map(pixel_bits)
+    film.map(|pixel| {
+        let (mut sums, first) = pixel_bits(pixel.sum, pixel.first);
+        let mean = pixel.mean();
+        let layers = [
+            mean.direct,
+            mean.indirect,
+            mean.diffuse_albedo,
+            mean.specular_albedo,
+            mean.normal,
+            pixel.variance(),
+        ];
+        sums.extend(layers.iter().flat_map(|v| v.to_array()).map(f32::to_bits));
+        (sums, first)
+    })
 }
 
 fn costs(film: &Film) -> Vec<TraceCounters> {
-    film.map(|sum, _| sum.cost)
+    film.map(|pixel| pixel.sum.cost)
 }
 
 fn lecture_objects() -> Scene {
@@ -153,7 +166,7 @@ fn on_threads<T: Send>(threads: usize, work: impl FnOnce() -> T + Send) -> T {
 fn the_panes_are_all_seen() {
     let (scene, options) = (panes(), options(SIZE, 1, Integrator::Direct));
     let film = film(&scene, AcceleratorKind::Bvh2, SkyMode::On, &options);
-    let seen = film.map(|_, first| first.map(|f| f.hit.instance));
+    let seen = film.map(|pixel| pixel.first.map(|f| f.hit.instance));
     for instance in [None, Some(0), Some(1), Some(2), Some(3)] {
         assert!(seen.contains(&instance), "{instance:?}");
     }
@@ -272,7 +285,7 @@ fn prefix(scene: &Scene, options: &RenderOptions, samples: impl Fn(usize) -> u32
 }
 
 fn beauty(film: &Film) -> Vec<Vec<u32>> {
-    film.map(|sum, _| pixel_bits(sum, None).0)
+    film.map(|pixel| pixel_bits(pixel.sum, None).0)
 }
 
 #[test]
@@ -319,7 +332,7 @@ fn a_render_that_is_stopped_has_whole_samples_in_their_order() {
         };
         let film = render(&stage, &camera, options, &observer);
         assert!(!film.is_complete, "{name}");
-        let counts = film.map(|sum, _| sum.samples);
+        let counts = film.map(|pixel| pixel.sum.samples);
         assert!(
             counts.contains(&2) && counts.contains(&4),
             "{name}: {counts:?}"

@@ -236,7 +236,11 @@ impl Golden {
         let mut picture = exr::read(&folder.path().join("picture.exr")).expect("an EXR file");
         picture.channels.retain(|channel| {
             let layer = channel.name.split('.').next().unwrap_or_default();
-            layer != "cost" && (self.layers.is_empty() || self.layers.contains(&layer))
+            // Of mattes the first two ranks; nothing here has more than a few pixels of others.
+            let is_low_rank = layer.starts_with("Crypto") && !layer.ends_with("00");
+            layer != "cost"
+                && !is_low_rank
+                && (self.layers.is_empty() || self.layers.contains(&layer))
         });
         // How to make it again.
         let command = [vec!["bspray render", self.model], self.args()].concat();
@@ -320,12 +324,14 @@ fn every_change_beyond_the_tolerance_is_found_and_shown() {
     for channel in &reference.channels {
         let name = channel.name.as_str();
         let (within, beyond): (Change, Change) = match tolerance(name) {
-            Tolerance::Exact => (|v| v, |v| v),
+            Tolerance::Exact => (|v| v, |v| f32::from_bits(v.to_bits() ^ 1)),
             Tolerance::Ulps(_) => (|v| v * (1.0 + f32::EPSILON), |v| v + 1e-3),
             Tolerance::Color { .. } => (|v| v + 5e-6, |v| v * 1.001 + 1e-4),
         };
-        if name.starts_with("uv") {
-            // Nothing here has texture coordinates.
+        if let Samples::F16(values) | Samples::F32(values) = &channel.samples
+            && values.iter().all(|v| !v.is_finite() || v.abs() <= 1e-3)
+        {
+            // Nothing here has texture coordinates, mirrors, or an id of low rank in any pixel.
             continue;
         }
         if tolerance(name) != Tolerance::Exact {

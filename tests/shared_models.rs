@@ -213,7 +213,7 @@ fn check_picture(scene: &Scene) -> Vec<String> {
         integrator: Integrator::Direct,
         filter: PixelFilter::Box,
         counts_cost: false,
-        wants_first_hits: true,
+        wants_layers: true,
     };
     let mut complaints = Vec::new();
     let framed = frame_scene(scene, &CameraWishes::default(), Vec3::Y, 1.0);
@@ -224,7 +224,8 @@ fn check_picture(scene: &Scene) -> Vec<String> {
         };
         let never = std::sync::atomic::AtomicBool::new(false);
         let film = render(&stage, &frame, &options, &never);
-        let pixels = film.map(|sum, first| {
+        let pixels = film.map(|pixel| {
+            let (sum, first) = (pixel.sum, pixel.first);
             let numbers =
                 [sum.color, sum.backdrop].map(|c| c.is_finite() && c.min_element() >= 0.0);
             let is_sound = numbers == [true, true]
@@ -274,7 +275,7 @@ fn no_combination_of_extents_changes_a_picture() {
             integrator: Integrator::Direct,
             filter: PixelFilter::BlackmanHarris,
             counts_cost: false,
-            wants_first_hits: true,
+            wants_layers: true,
         };
         let frame = camera.frame(24, 16).unwrap();
         let build = BuildOptions {
@@ -289,11 +290,13 @@ fn no_combination_of_extents_changes_a_picture() {
             let stage = Stage::new(&scene, accelerator, Vec3::Y, SkyMode::On);
             let never = std::sync::atomic::AtomicBool::new(false);
             let film = render(&stage, &frame, &options, &never);
-            let pixels = film.map(|sum, first| {
-                let bits = sum.color.to_array().map(f32::to_bits);
+            let pixels = film.map(|pixel| {
+                let bits = pixel.sum.color.to_array().map(f32::to_bits);
                 (
                     bits,
-                    first.map(|f| (f.hit.t.to_bits(), f.hit.instance, f.hit.triangle)),
+                    pixel
+                        .first
+                        .map(|f| (f.hit.t.to_bits(), f.hit.instance, f.hit.triangle)),
                 )
             });
             assert!(pixels.iter().any(|(_, first)| first.is_some()), "{file}");

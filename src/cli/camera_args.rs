@@ -112,18 +112,23 @@ fn named_camera<'a>(scene: &'a Scene, wanted: &str) -> anyhow::Result<&'a Camera
 /// The camera as arguments that can be pasted to get the same picture.
 pub(super) fn as_flags(camera: &Camera, scene: &Scene, up: Vec3) -> String {
     let comma = |v: Vec3| format!("{},{},{}", v.x, v.y, v.z);
-    let mut flags = match camera.projection {
-        Projection::Perspective { view_angle } => format!(
-            "--camera-position {} --camera-focal-point {} --camera-view-up {} --camera-view-angle {view_angle}",
-            comma(camera.position),
-            comma(camera.focal_point),
-            comma(camera.view_up),
-        ),
-        // Only files have such cameras. By number: names may be shared, or need quotes.
-        Projection::Orthographic { .. } => {
-            let index = scene.cameras.iter().position(|c| c == camera);
-            format!("--camera-index {}", index.unwrap_or(0))
+    let place = format!(
+        "--camera-position {} --camera-focal-point {} --camera-view-up {}",
+        comma(camera.position),
+        comma(camera.focal_point),
+        comma(camera.view_up),
+    );
+    let index = scene.cameras.iter().position(|c| c == camera);
+    let mut flags = match (camera.projection, index) {
+        (Projection::Perspective { view_angle }, _) => {
+            format!("{place} --camera-view-angle {view_angle}")
         }
+        // By number: names may be shared, or need quotes.
+        (Projection::Orthographic { .. }, Some(index)) => format!("--camera-index {index}"),
+        (Projection::Orthographic { height }, None) => {
+            format!("{place} --projection orthographic --ortho-height {height}")
+        }
+        (Projection::Panoramic, _) => format!("{place} --projection panoramic"),
     };
     let axes = ["+X", "-X", "+Y", "-Y", "+Z", "-Z"];
     if let Some(axis) = axes

@@ -3,6 +3,7 @@
 use bspray::picture::{Raster, RasterPixels, ToneMap, exposure_factor, srgb};
 use bspray::render::{Film, Integrator, Overlay};
 use clap::Args;
+use glam::Vec3;
 
 use super::values;
 
@@ -14,7 +15,7 @@ pub(super) struct DisplayArgs {
     /// clip for the integrators that do not compute light]
     #[arg(long, value_name = "NAME")]
     tonemap: Option<ToneMap>,
-    /// Brightness of PNG and JPEG, in stops
+    /// Exposure of PNG and JPEG in stops (EV), each of which doubles the light
     #[arg(
         long,
         value_name = "STOPS",
@@ -34,37 +35,48 @@ impl DisplayArgs {
         })
     }
 
-    /// The surfaces of the film alone, with their coverage as alpha.
-    pub(super) fn cut_out(&self, film: &Film, integrator: Integrator) -> Raster {
+    /// The surfaces of the film alone, with their coverage as alpha, and with other colours where it was denoised.
+    pub(super) fn cut_out(
+        &self,
+        film: &Film,
+        denoised: Option<&[Vec3]>,
+        integrator: Integrator,
+    ) -> Raster {
         let tonemap = self.tonemap_of(integrator);
         let factor = exposure_factor(self.exposure);
-        let pixels = film.map(|sum, _| {
-            let mean = sum.mean();
+        let means = film.map(|pixel| {
+            let mean = pixel.sum.mean();
+            (mean.color, mean.alpha)
+        });
+        let color = |(index, (color, alpha)): (usize, &(Vec3, f32))| {
+            let color = denoised.map_or(*color, |denoised| denoised[index]);
             // PNG's colours are not multiplied by alpha.
-            let color = mean.color * (factor / mean.alpha.max(f32::MIN_POSITIVE));
+            let color = color * (factor / alpha.max(f32::MIN_POSITIVE));
             let [r, g, b] = match matches!(integrator, Integrator::Normals) {
                 // Codes as they are, not light.
                 true => color.to_array().map(srgb::decode),
                 false => tonemap.apply(color.to_array()),
             };
-            [r, g, b, mean.alpha]
-        });
+            [r, g, b, *alpha]
+        };
+        let pixels: Vec<_> = means.iter().enumerate().map(color).collect();
         Raster::from_rgba(film.window.width, film.window.height, &pixels)
     }
 
-    /// The film as people see it. Normals are numbers, not light, and are stored as they are.
+    /// The film as people see it, with other colours of surfaces where it was denoised. Normals are numbers, not light, and are stored as they are.
     pub(super) fn raster(
         &self,
         film: &Film,
+        denoised: Option<&[Vec3]>,
         integrator: Integrator,
         overlay: Option<&Overlay>,
     ) -> Raster {
         let tonemap = self.tonemap_of(integrator);
         let factor = exposure_factor(self.exposure);
-        let mut pixels = film.map(|sum, _| {
-            let mean = sum.mean();
-            tonemap.apply(((mean.color + mean.backdrop) * factor).to_array())
-        });
+        let mut pixels: Vec<_> = light(film, denoised)
+            .into_iter()
+            .map(|light| tonemap.apply((light * factor).to_array()))
+            .collect();
         let (width, height) = (film.window.width, film.window.height);
         if !matches!(integrator, Integrator::Normals) {
             if let Some(overlay) = overlay {
@@ -88,4 +100,19 @@ impl DisplayArgs {
             pixels: RasterPixels::Rgb(codes),
         }
     }
+}
+
+/// Linear radiance of surfaces, which are the film's or those given, and of what is behind them.
+pub(super) fn light(film: &Film, denoised: Option<&[Vec3]>) -> Vec<Vec3> {
+    let mut light = film.map(|pixel| {
+        let mean = pixel.sum.mean();
+        match denoised {
+            Some(_) => mean.backdrop,
+            None => mean.color + mean.backdrop,
+        }
+    });
+    for (light, color) in light.iter_mut().zip(denoised.unwrap_or_default()) {
+        *light += *color;
+    }
+    light
 }

@@ -29,13 +29,14 @@ pub(super) struct ExtentArgs {
 }
 
 impl ExtentArgs {
-    /// Adds what was chosen to the options of a build for a view.
+    /// Adds what was chosen to the options of a build for a view. A lens or a panorama has no screen extents.
     pub(super) fn add_to(&self, options: BuildOptions, view: View) -> BuildOptions {
+        let has_extents = view.camera.has_screen() && view.camera.lens().is_none();
         BuildOptions {
             extents: self.extents.unwrap_or_default(),
             sphere: self.extent_sphere.unwrap_or_default(),
             mesh: self.mesh_accel.unwrap_or_default(),
-            view: Some(view),
+            view: has_extents.then_some(view),
             ..options
         }
     }

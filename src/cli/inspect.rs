@@ -89,6 +89,7 @@ fn report(scene: &Scene, models: &[PathBuf]) -> Value {
             Projection::Orthographic { height } => {
                 json!({ "orthographic": { "height": number(height) } })
             }
+            Projection::Panoramic => json!("panoramic"),
         };
         json!({ "name": camera.name, "position": numbers(camera.position.to_array()),
             "focal_point": numbers(camera.focal_point.to_array()), "projection": projection })

@@ -20,7 +20,7 @@ pub(super) fn add(picture: Picture, summary: &RenderSummary) -> Picture {
         .with_attribute("bspray/integrator", text(summary.options.integrator.name()))
         .with_attribute("bspray/camera", text(summary.camera_flags))
         .with_attribute("bspray/seed", text(&summary.options.seed.to_string()))
-        .with_attribute("bspray/samples", int(u64::from(summary.options.samples)))
+        .with_attribute("bspray/samples", int(summary.samples_per_pixel()))
         .with_attribute("bspray/threads", int(summary.threads as u64))
         .with_attribute("bspray/machine", text(&machine()))
         .with_attribute("bspray/seconds", text(&timings.to_string()))

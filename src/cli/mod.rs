@@ -16,6 +16,7 @@ mod inspect;
 mod inspect_bsp;
 mod inspect_extents;
 mod ladder;
+mod lens_args;
 mod metadata;
 mod model_args;
 mod numbers;
@@ -27,6 +28,7 @@ mod render;
 mod shell;
 mod shot;
 mod summary;
+mod tev;
 mod values;
 
 use std::process::ExitCode;

@@ -40,11 +40,16 @@ impl OverlayArgs {
     /// # Errors
     /// An overlay beside `--pixel`.
     pub(super) fn check(&self, is_report: bool) -> anyhow::Result<()> {
-        if is_report && !self.overlay.is_empty() {
+        if is_report && self.is_wanted() {
             let words = "--pixel prints a report and writes no picture: leave --overlay out";
             bail!(UsageError(words.to_owned()));
         }
         Ok(())
+    }
+
+    /// Whether anything is to be drawn.
+    pub(super) fn is_wanted(&self) -> bool {
+        !self.overlay.is_empty()
     }
 
     /// Draws what was asked for; `None` if that is nothing.

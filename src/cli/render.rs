@@ -17,12 +17,17 @@ use super::environment_args::EnvironmentArgs;
 use super::extent_args::ExtentArgs;
 use super::files;
 use super::frames::{FrameArgs, Shot};
+use super::lens_args::LensArgs;
 use super::model_args::ModelArgs;
 use super::overlay_args::OverlayArgs;
 use super::shot::Studio;
 use super::summary::Seconds;
+use super::tev::Server;
 use super::values::{self, CropWindow, PixelBounds};
 use super::{Done, UsageError, output, progress};
+
+/// Samples a pixel if nothing else is said.
+const DEFAULT_SAMPLES: u32 = 16;
 
 /// Arguments of `bspray render`.
 #[derive(Args, Debug)]
@@ -35,9 +40,12 @@ pub(super) struct RenderArgs {
     /// Width and height of the picture, in pixels
     #[arg(long, value_name = "WxH", value_parser = values::resolution, default_value = "1280x720")]
     resolution: (u32, u32),
-    /// Samples a pixel
-    #[arg(long, value_name = "N", default_value_t = 16, value_parser = clap::value_parser!(u32).range(1..=values::MOST_SAMPLES))]
-    spp: u32,
+    /// Samples a pixel; with --time-limit the most of them [default: 16, or with --time-limit 1048576]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=values::MOST_SAMPLES))]
+    spp: Option<u32>,
+    /// End with the samples that every pixel has by then; one at least
+    #[arg(long, value_name = "SECONDS", value_parser = values::positive, conflicts_with = "pixel")]
+    pub(super) time_limit: Option<f32>,
     /// Changes every random number
     #[arg(long, value_name = "N", default_value_t = 0)]
     pub(super) seed: u32,
@@ -67,6 +75,9 @@ pub(super) struct RenderArgs {
     /// How far an ambient-occlusion ray must get, in model units [default: a tenth of the scene's diagonal]
     #[arg(long, value_name = "LENGTH", value_parser = values::positive)]
     ao_distance: Option<f32>,
+    /// Filter the noise out, guided by albedo and normals; .exr files keep the noisy colours as the layer `noisy`
+    #[arg(long)]
+    pub(super) denoise: bool,
     /// How light between pixel centres is shared out
     #[arg(long, value_enum, value_name = "NAME", default_value_t = FilterName::BlackmanHarris)]
     filter: FilterName,
@@ -74,6 +85,8 @@ pub(super) struct RenderArgs {
     pub(super) camera: CameraArgs,
     #[command(flatten)]
     pub(super) environment: EnvironmentArgs,
+    #[command(flatten)]
+    pub(super) lens: LensArgs,
     #[command(flatten)]
     frames: FrameArgs,
     /// Render a part of the picture, given as shares of its width and height
@@ -91,6 +104,9 @@ pub(super) struct RenderArgs {
     pub(super) display: DisplayArgs,
     #[command(flatten)]
     pub(super) overlay: OverlayArgs,
+    /// Show the picture while it is rendered, in tev, which listens on port 14158, or another program of its protocol
+    #[arg(long, value_name = "HOST:PORT", value_parser = values::address, conflicts_with = "pixel", help_heading = "Display")]
+    display_server: Option<String>,
     /// Print everything about one pixel's rays instead of rendering
     #[arg(long, value_name = "X,Y", value_parser = values::pixel, help_heading = "Reports")]
     pub(super) pixel: Option<(u32, u32)>,
@@ -180,8 +196,13 @@ pub(super) fn run(args: &RenderArgs) -> anyhow::Result<Done> {
     args.extents
         .check(&[args.accel], args.overlay.shows_extents())?;
     args.overlay.check(args.pixel.is_some())?;
+    args.lens.check(args.overlay.is_wanted())?;
     let window = window(args)?;
 
+    let address = args.display_server.as_deref();
+    let display = address
+        .map(|address| Server::connect(address, args.quiet))
+        .transpose()?;
     let started = Instant::now();
     let mut scene = args.input.load()?;
     let environment = args.environment.environment(args.camera.up())?;
@@ -195,8 +216,11 @@ pub(super) fn run(args: &RenderArgs) -> anyhow::Result<Done> {
     if !args.quiet {
         output::tell_of(&scene);
     }
-    let camera = args.camera.choose(&scene, args.resolution)?;
-    let camera_flags = camera_args::as_flags(&camera, &scene, args.camera.up());
+    let camera = args
+        .lens
+        .project(args.camera.choose(&scene, args.resolution)?);
+    let camera_flags =
+        camera_args::as_flags(&camera, &scene, args.camera.up()) + &args.lens.as_flags();
     if !args.quiet {
         output::message(&format!("camera: {camera_flags}"));
     }
@@ -222,12 +246,15 @@ pub(super) fn run(args: &RenderArgs) -> anyhow::Result<Done> {
     let options = RenderOptions {
         size: args.resolution,
         window,
-        samples: args.spp,
+        samples: args.spp.unwrap_or(match args.time_limit {
+            Some(_) => values::MOST_SAMPLES as u32,
+            None => DEFAULT_SAMPLES,
+        }),
         seed: args.seed,
         integrator,
         filter,
         counts_cost: has_layers || args.stats || args.json,
-        wants_first_hits: has_layers,
+        wants_layers: has_layers || args.denoise,
     };
     let studio = Studio {
         args,
@@ -238,6 +265,7 @@ pub(super) fn run(args: &RenderArgs) -> anyhow::Result<Done> {
         trees,
         options,
         pool,
+        display,
         before: Seconds {
             load,
             build,

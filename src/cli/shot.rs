@@ -11,10 +11,12 @@ use bspray::render::{self, Environment, RenderOptions, Stage};
 use bspray::scene::{Camera, Scene};
 use serde_json::{Value, json};
 
+use super::display::light;
 use super::files::OutputKind;
 use super::frames::Shot;
 use super::render::RenderArgs;
 use super::summary::{RenderSummary, Seconds};
+use super::tev::Server;
 use super::{Done, camera_args, metadata, output, pixel, progress};
 
 /// Everything that all pictures of a run share.
@@ -29,6 +31,8 @@ pub(super) struct Studio<'a> {
     pub(super) trees: Option<SceneTrees>,
     pub(super) options: RenderOptions,
     pub(super) pool: rayon::ThreadPool,
+    /// Shows pictures while they are rendered.
+    pub(super) display: Option<Server>,
     /// What loading the scene and building its trees took.
     pub(super) before: Seconds,
 }
@@ -122,6 +126,10 @@ impl Studio<'_> {
         let (camera, camera_flags) = self.camera(shot);
         let radius = self.options.filter.radius();
         let view: View = camera_args::view(&camera, self.options.size, radius)?;
+        let view = View {
+            camera: args.lens.add_to(view.camera, &camera),
+            ..view
+        };
         let started = Instant::now();
         let build_options = args.extents.add_to(args.bsp.options(args.seed), view);
         let accelerator = &**accelerator.get_or_insert_with(|| {
@@ -137,7 +145,15 @@ impl Studio<'_> {
 
         let window = self.options.window;
         let samples = window.area() * u64::from(self.options.samples);
-        let watch = progress::begin(samples, args.quiet);
+        let name = match shot.outputs.first() {
+            Some((path, _)) => path.display().to_string(),
+            None => "bspray".to_owned(),
+        };
+        if let Some(server) = &self.display {
+            server.create(&name, self.options.size);
+        }
+        let display = self.display.as_ref().map(|server| (server, name.as_str()));
+        let watch = progress::begin(samples, args.time_limit, display, args.quiet);
         let started = Instant::now();
         let film = self
             .pool
@@ -177,22 +193,36 @@ impl Studio<'_> {
         if let Some(note) = note.filter(|_| !args.quiet) {
             output::message(&note);
         }
+        let denoised = args
+            .denoise
+            .then(|| self.pool.install(|| render::denoise(&film)));
+        if let Some(server) = &self.display {
+            server.finish(&name, window, light(&film, denoised.as_deref()));
+        }
         // One output that cannot be written does not take the others with it.
         let mut failures = shot.outputs.iter().filter_map(|(path, kind)| {
             let written = self.pool.install(|| match kind {
                 OutputKind::Exr => {
                     let layers = render::layers(&film, &view.camera);
+                    let layers = render::add_mattes(layers, &film, self.scene);
+                    let layers = match &denoised {
+                        Some(colors) => render::with_denoised(layers, colors),
+                        None => layers,
+                    };
                     let layers = overlay.iter().fold(layers, |layers, o| o.add_to(layers));
                     picture::exr::write(path, &metadata::add(layers, &summary))
                 }
                 OutputKind::Display => {
                     let integrator = self.options.integrator;
                     let is_cut_out = args.environment.is_transparent() && overlay.is_none();
+                    let denoised = denoised.as_deref();
                     let raster = match picture::ldr::LdrFormat::of_path(path) {
                         Ok(picture::ldr::LdrFormat::Png) if is_cut_out => {
-                            args.display.cut_out(&film, integrator)
+                            args.display.cut_out(&film, denoised, integrator)
                         }
-                        _ => args.display.raster(&film, integrator, overlay.as_ref()),
+                        _ => args
+                            .display
+                            .raster(&film, denoised, integrator, overlay.as_ref()),
                     };
                     picture::ldr::write(path, &raster)
                 }

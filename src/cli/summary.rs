@@ -117,6 +117,15 @@ impl RenderSummary<'_> {
             .collect()
     }
 
+    /// Samples that every pixel got; of a picture that a signal ended, those that it should have got.
+    pub(super) fn samples_per_pixel(&self) -> u64 {
+        if self.film.is_complete {
+            self.film.samples() / self.film.window.area()
+        } else {
+            u64::from(self.options.samples)
+        }
+    }
+
     /// The whole report.
     pub(super) fn value(&self) -> Value {
         let (rays, cost) = (self.film.rays(), self.film.cost());
@@ -131,7 +140,7 @@ impl RenderSummary<'_> {
             "resolution": [self.film.size.0, self.film.size.1],
             "window": { "x": window.x, "y": window.y, "width": window.width, "height": window.height },
             "integrator": self.options.integrator.name(),
-            "samples_per_pixel": self.options.samples,
+            "samples_per_pixel": self.samples_per_pixel(),
             "seed": self.options.seed,
             "threads": self.threads,
             "camera": self.camera_flags,

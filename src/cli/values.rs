@@ -106,6 +106,15 @@ pub(super) fn axis(text: &str) -> Result<Vec3, String> {
     Ok(axis * sign + Vec3::ZERO)
 }
 
+/// `HOST:PORT`.
+pub(super) fn address(text: &str) -> Result<String, String> {
+    let port = text.rsplit_once(':').filter(|(host, _)| !host.is_empty());
+    match port.map(|(_, port)| port.parse::<u16>()) {
+        Some(Ok(_)) => Ok(text.to_owned()),
+        _ => Err("want HOST:PORT, such as localhost:14158".to_owned()),
+    }
+}
+
 /// A positive, finite number.
 pub(super) fn positive(text: &str) -> Result<f32, String> {
     match text.parse::<f32>() {

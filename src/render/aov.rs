@@ -1,11 +1,11 @@
 //! The layers of a picture, the one registry that EXR output and its documentation go through.
 //!
-//! Ids, depths and places are those of the ray through the pixel's centre and are never filtered; colour and coverage are the mean
-//! of the pixel's samples.
+//! Ids, depths and places are those of the ray through the pixel's centre and are never filtered; colours, coverage and what denoisers
+//! ask for are the mean of the pixel's samples.
 
-use glam::{DMat4, DVec4};
+use glam::{DMat4, DVec4, Vec3};
 
-use super::film::{Film, FirstHit, PixelSum};
+use super::film::{Film, Pixel};
 use crate::picture::{Attribute, Channel, Picture, Samples, Window, attribute};
 use crate::scene::CameraFrame;
 
@@ -16,11 +16,11 @@ pub const NOTHING: u32 = u32::MAX;
 #[derive(Clone, Copy)]
 enum Value {
     /// Stored as half floats: colours that come from 8 or 16 bits.
-    Half(fn(&PixelSum, Option<&FirstHit>) -> f32),
+    Half(fn(&Pixel) -> f32),
     /// Stored in full.
-    Float(fn(&PixelSum, Option<&FirstHit>) -> f32),
+    Float(fn(&Pixel) -> f32),
     /// Stored in full.
-    Id(fn(&PixelSum, Option<&FirstHit>) -> u32),
+    Id(fn(&Pixel) -> u32),
 }
 
 /// A layer: channels that belong together.
@@ -41,7 +41,17 @@ impl Layer {
 
 macro_rules! first {
     ($nothing:expr, $hit:ident => $value:expr) => {
-        |_, first| first.map_or($nothing, |$hit| $value)
+        |pixel| pixel.first.map_or($nothing, |$hit| $value)
+    };
+}
+
+macro_rules! rgb {
+    ($name:literal, $kind:ident, $pixel:ident => $value:expr) => {
+        &[
+            (concat!($name, ".R"), Value::$kind(|$pixel| $value.x)),
+            (concat!($name, ".G"), Value::$kind(|$pixel| $value.y)),
+            (concat!($name, ".B"), Value::$kind(|$pixel| $value.z)),
+        ]
     };
 }
 
@@ -51,15 +61,66 @@ pub const LAYERS: &[Layer] = &[
         name: "beauty",
         description: "linear radiance of surfaces, multiplied by coverage; A is the coverage, 0 to 1",
         channels: &[
-            ("R", Value::Float(|sum, _| sum.mean().color.x)),
-            ("G", Value::Float(|sum, _| sum.mean().color.y)),
-            ("B", Value::Float(|sum, _| sum.mean().color.z)),
-            ("A", Value::Float(|sum, _| sum.mean().alpha)),
+            ("R", Value::Float(|pixel| pixel.mean().color.x)),
+            ("G", Value::Float(|pixel| pixel.mean().color.y)),
+            ("B", Value::Float(|pixel| pixel.mean().color.z)),
+            ("A", Value::Float(|pixel| pixel.mean().alpha)),
         ],
     },
     Layer {
+        name: "direct",
+        description: "the part of the beauty that came from a light, or from the surface's own, without meeting another surface",
+        channels: rgb!("direct", Float, pixel => pixel.mean().direct),
+    },
+    Layer {
+        name: "indirect",
+        description: "the part of the beauty that met further surfaces on its way",
+        channels: rgb!("indirect", Float, pixel => pixel.mean().indirect),
+    },
+    Layer {
+        name: "diffuse_albedo",
+        description: "share of white light that the surface throws back in all directions, 0 to 1, multiplied by coverage",
+        channels: rgb!("diffuse_albedo", Half, pixel => pixel.mean().diffuse_albedo),
+    },
+    Layer {
+        name: "specular_albedo",
+        description: "share of white light that the surface mirrors, sharply or not, or lets through, 0 to 1, multiplied by coverage",
+        channels: rgb!("specular_albedo", Half, pixel => pixel.mean().specular_albedo),
+    },
+    Layer {
+        name: "denoise_albedo",
+        description: "sum of both albedos, 0 to 1: what denoisers ask for",
+        channels: rgb!("denoise_albedo", Half, pixel => {
+            let mean = pixel.mean();
+            (mean.diffuse_albedo + mean.specular_albedo).clamp(Vec3::ZERO, Vec3::ONE)
+        }),
+    },
+    Layer {
+        name: "denoise_normal",
+        description: "mean of the samples' shading normals in world space, multiplied by coverage: what denoisers ask for",
+        channels: &[
+            (
+                "denoise_normal.X",
+                Value::Float(|pixel| pixel.mean().normal.x),
+            ),
+            (
+                "denoise_normal.Y",
+                Value::Float(|pixel| pixel.mean().normal.y),
+            ),
+            (
+                "denoise_normal.Z",
+                Value::Float(|pixel| pixel.mean().normal.z),
+            ),
+        ],
+    },
+    Layer {
+        name: "variance",
+        description: "variance of the pixel's mean of beauty and background, as independent samples would have it: an upper bound",
+        channels: rgb!("variance", Float, pixel => pixel.variance()),
+    },
+    Layer {
         name: "Z",
-        description: "depth along the view axis, in model units; infinite where nothing is met",
+        description: "depth along the view axis (in a panorama the distance), in model units; infinite where nothing is met",
         channels: &[("Z", Value::Float(first!(f32::INFINITY, hit => hit.depth)))],
     },
     Layer {
@@ -151,21 +212,24 @@ pub const LAYERS: &[Layer] = &[
         name: "cost",
         description: "inner nodes, leaves and triangles that all rays of the pixel's samples tested",
         channels: &[
-            ("cost.nodes", Value::Id(|sum, _| saturated(sum.cost.nodes))),
+            (
+                "cost.nodes",
+                Value::Id(|pixel| saturated(pixel.sum.cost.nodes)),
+            ),
             (
                 "cost.leaves",
-                Value::Id(|sum, _| saturated(sum.cost.leaves)),
+                Value::Id(|pixel| saturated(pixel.sum.cost.leaves)),
             ),
             (
                 "cost.prims",
-                Value::Id(|sum, _| saturated(sum.cost.primitives)),
+                Value::Id(|pixel| saturated(pixel.sum.cost.primitives)),
             ),
         ],
     },
     Layer {
         name: "samples",
         description: "samples that the pixel got",
-        channels: &[("samples", Value::Id(|sum, _| sum.samples))],
+        channels: &[("samples", Value::Id(|pixel| pixel.sum.samples))],
     },
 ];
 
@@ -234,9 +298,12 @@ pub fn layers(film: &Film, camera: &CameraFrame) -> Picture {
         picture = picture.with_channel(Channel::new(*name, samples));
     }
     let [to_camera, to_ndc] = matrices(camera).map(|m| Attribute::M44(m.as_mat4().to_cols_array()));
-    picture
-        .with_attribute(attribute::WORLD_TO_CAMERA, to_camera)
-        .with_attribute(attribute::WORLD_TO_NDC, to_ndc)
+    let picture = picture.with_attribute(attribute::WORLD_TO_CAMERA, to_camera);
+    if camera.has_screen() {
+        picture.with_attribute(attribute::WORLD_TO_NDC, to_ndc)
+    } else {
+        picture
+    }
 }
 
 /// World space to OpenEXR's camera space (x right, y up, z forward), and on to x and y from -1 to 1 over the picture.
@@ -266,7 +333,7 @@ mod tests {
     use super::*;
     use crate::render::film::PixelRect;
     use crate::scene::{Camera, Projection};
-    use glam::{DVec3, Vec3};
+    use glam::DVec3;
 
     fn camera(projection: Projection) -> CameraFrame {
         let camera = Camera {

@@ -1,8 +1,9 @@
 //! Where samples gather: a picture in tiles, each of which one thread fills at a time.
 
-use glam::{Vec2, Vec3};
+use glam::{DVec3, Vec2, Vec3};
 use rayon::prelude::*;
 
+use super::cryptomatte::{MatteKind, TileMattes};
 use super::integrator::Sample;
 use super::partition::FragmentPoint;
 use super::tracer::RayCounts;
@@ -106,14 +107,99 @@ impl PixelSum {
         self.samples += 1;
     }
 
-    /// The mean of the samples; black before the first.
+    /// What 1 is of one sample, before the first 1.
+    fn share(&self) -> f32 {
+        1.0 / self.samples.max(1) as f32
+    }
+
+    /// The mean of the samples' colour, coverage and backdrop; black before the first. The parts of the colour are in [`LayerSum`].
     pub fn mean(&self) -> Sample {
-        let share = 1.0 / self.samples.max(1) as f32;
+        let share = self.share();
         Sample {
             color: self.color * share,
             alpha: self.alpha * share,
             backdrop: self.backdrop * share,
             ..Sample::default()
+        }
+    }
+}
+
+/// Further sums of one pixel, for files of layers.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct LayerSum {
+    direct: Vec3,
+    indirect: Vec3,
+    diffuse_albedo: Vec3,
+    specular_albedo: Vec3,
+    normal: Vec3,
+    /// Mean of colour and backdrop together, and the sum of the squares of its samples' distances from it (Welford 1962): no large numbers
+    /// that cancel, and none at all for equal samples.
+    seen: DVec3,
+    squares: DVec3,
+}
+
+impl LayerSum {
+    /// Adds the pixel's `count`th sample, from 1.
+    pub(super) fn add(&mut self, sample: &Sample, count: u32) {
+        self.direct += sample.direct;
+        self.indirect += sample.indirect;
+        self.diffuse_albedo += sample.diffuse_albedo;
+        self.specular_albedo += sample.specular_albedo;
+        self.normal += sample.normal;
+        let seen = (sample.color + sample.backdrop).as_dvec3();
+        let step = seen - self.seen;
+        self.seen += step / f64::from(count);
+        self.squares += step * (seen - self.seen);
+    }
+}
+
+/// What a film knows of one pixel.
+#[derive(Clone, Copy, Debug)]
+pub struct Pixel<'a> {
+    /// Its sums.
+    pub sum: &'a PixelSum,
+    /// What the ray through its centre met; `None` also where that was not asked.
+    pub first: Option<&'a FirstHit>,
+    /// Further sums; `None` where no layers were asked for.
+    pub layers: Option<&'a LayerSum>,
+    /// What covers the pixels of its tile, and its index among them.
+    mattes: (&'a TileMattes, usize),
+}
+
+impl Pixel<'_> {
+    /// The mean of the samples; black before the first. What is only in layers is zero without them.
+    pub fn mean(&self) -> Sample {
+        let mean = self.sum.mean();
+        let Some(layers) = self.layers else {
+            return mean;
+        };
+        let share = self.sum.share();
+        Sample {
+            direct: layers.direct * share,
+            indirect: layers.indirect * share,
+            diffuse_albedo: layers.diffuse_albedo * share,
+            specular_albedo: layers.specular_albedo * share,
+            normal: layers.normal * share,
+            ..mean
+        }
+    }
+
+    /// The six ids of the greatest coverage, with the share of the pixel that each covers; zeroes behind the last. None without layers.
+    pub(super) fn matte_ranks(&self, kind: MatteKind) -> [(u32, f32); 6] {
+        let (tile, index) = self.mattes;
+        match self.layers {
+            Some(_) => tile.ranks(kind, index, self.sum.samples),
+            None => [(0, 0.0); 6],
+        }
+    }
+
+    /// The variance of the mean of colour and backdrop that as many independent samples would have, estimated from the samples: their own
+    /// variance over their number. That of stratified samples, as ours are, is less. Zero before the second sample, and without layers.
+    pub fn variance(&self) -> Vec3 {
+        let count = f64::from(self.sum.samples);
+        match self.layers {
+            Some(layers) if count > 1.0 => (layers.squares / ((count - 1.0) * count)).as_vec3(),
+            _ => Vec3::ZERO,
         }
     }
 }
@@ -125,6 +211,10 @@ pub(super) struct Tile {
     pub(super) sums: Vec<PixelSum>,
     /// Empty until first hits are looked up.
     pub(super) first_hits: Vec<Option<FirstHit>>,
+    /// Empty unless layers are asked for.
+    pub(super) layers: Vec<LayerSum>,
+    /// Empty unless layers are asked for.
+    pub(super) mattes: TileMattes,
     pub(super) rays: RayCounts,
 }
 
@@ -149,6 +239,8 @@ impl Film {
             rect,
             sums: vec![PixelSum::default(); rect.area() as usize],
             first_hits: Vec::new(),
+            layers: Vec::new(),
+            mattes: TileMattes::default(),
             rays: RayCounts::default(),
         };
         let tiles = window.tiles(TILE).into_iter().map(tile).collect();
@@ -188,10 +280,7 @@ impl Film {
     }
 
     /// A value of every pixel of the window, row by row from the top. Rows of tiles are worked on in parallel.
-    pub fn map<T: Clone + Default + Send>(
-        &self,
-        value: impl Fn(&PixelSum, Option<&FirstHit>) -> T + Sync,
-    ) -> Vec<T> {
+    pub fn map<T: Clone + Default + Send>(&self, value: impl Fn(&Pixel) -> T + Sync) -> Vec<T> {
         let width = self.window.width as usize;
         let mut values = vec![T::default(); self.window.area() as usize];
         let bands = values.par_chunks_mut(width * TILE as usize);
@@ -200,9 +289,14 @@ impl Film {
             .for_each(|(band, tiles)| {
                 for tile in tiles {
                     for (index, ((x, y), sum)) in tile.rect.pixels().zip(&tile.sums).enumerate() {
-                        let first = tile.first_hits.get(index).and_then(Option::as_ref);
+                        let pixel = Pixel {
+                            sum,
+                            first: tile.first_hits.get(index).and_then(Option::as_ref),
+                            layers: tile.layers.get(index),
+                            mattes: (&tile.mattes, index),
+                        };
                         let row = (y - tile.rect.y) as usize;
-                        band[row * width + (x - self.window.x) as usize] = value(sum, first);
+                        band[row * width + (x - self.window.x) as usize] = value(&pixel);
                     }
                 }
             });
@@ -230,11 +324,56 @@ mod tests {
                 sum.samples += 1;
             }
         }
-        let places = film.map(|sum, first| {
-            assert!(sum.samples == 1 && first.is_none());
-            (sum.color.x as u32, sum.color.y as u32)
+        let places = film.map(|pixel| {
+            assert!(pixel.sum.samples == 1 && pixel.first.is_none());
+            (pixel.sum.color.x as u32, pixel.sum.color.y as u32)
         });
         assert_eq!(places, window.pixels().collect::<Vec<_>>());
         assert_eq!(film.samples(), 70 * 33);
+    }
+
+    #[test]
+    fn variance_is_that_of_the_textbook_and_keeps_its_digits() {
+        // A thousand times 10,000 with noise of 0.01: sums of squares in single precision would be all noise.
+        let value = |i: u32| 10_000.0 + ((i * 7919) % 1000) as f32 * 2e-5;
+        let (mut sum, mut layers) = (PixelSum::default(), LayerSum::default());
+        for i in 0..1000 {
+            let color = Vec3::new(value(i), -value(i), 3.0);
+            let sample = Sample {
+                color,
+                backdrop: Vec3::new(1.0, 0.5, 0.0),
+                direct: color * 0.25,
+                normal: Vec3::Y,
+                ..Sample::default()
+            };
+            sum.add(&sample);
+            layers.add(&sample, sum.samples);
+        }
+        let values: Vec<f64> = (0..1000).map(|i| f64::from(value(i) + 1.0)).collect();
+        let mean = values.iter().sum::<f64>() / 1000.0;
+        let squares = values.iter().map(|v| (v - mean) * (v - mean)).sum::<f64>();
+        let pixel = Pixel {
+            sum: &sum,
+            first: None,
+            layers: Some(&layers),
+            mattes: (&TileMattes::default(), 0),
+        };
+        let want = squares / 999.0 / 1000.0;
+        let [x, y, z] = pixel.variance().to_array().map(f64::from);
+        assert!((x / want - 1.0).abs() < 1e-3 && z == 0.0, "{x} {want} {z}");
+        assert!(
+            (y / want - 1.0).abs() < 0.1,
+            "rounded before it is added: {y} {want}"
+        );
+        let mean = pixel.mean();
+        assert!((mean.direct.z - 0.75).abs() < 1e-6 && (mean.normal - Vec3::Y).length() < 1e-6);
+        let bare = Pixel {
+            layers: None,
+            ..pixel
+        };
+        assert_eq!(
+            (bare.variance(), bare.mean().direct),
+            (Vec3::ZERO, Vec3::ZERO)
+        );
     }
 }

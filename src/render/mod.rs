@@ -6,6 +6,8 @@
 
 mod aov;
 pub mod bsdf;
+mod cryptomatte;
+mod denoise;
 mod environment;
 mod film;
 mod filter;
@@ -32,8 +34,10 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use rayon::prelude::*;
 
 pub use aov::{LAYERS, Layer, NOTHING, PARTITION_LAYERS, layers};
+pub use cryptomatte::{MatteKind, add_mattes, matte_id};
+pub use denoise::{denoise, with_denoised};
 pub use environment::{Daylight, Environment, EnvironmentSample};
-pub use film::{Film, FirstHit, PixelRect, PixelSum};
+pub use film::{Film, FirstHit, LayerSum, Pixel, PixelRect, PixelSum};
 pub use filter::PixelFilter;
 pub use framing::{CameraWishes, DEFAULT_VIEW_ANGLE, frame_scene};
 pub use integrator::{Integrator, LightSearch, MOST_STEPS, Sample};
@@ -46,9 +50,10 @@ pub use secondary::{hemisphere_ray, shadow_ray};
 pub use stage::{SkyMode, Stage};
 pub use surface::{MaterialPoint, Surface};
 pub use texture::Textures;
-pub use tracer::{Answer, RayCounts, RayKind, TracedRay, Tracer};
+pub use tracer::{Answer, Covered, RayCounts, RayKind, TracedRay, Tracer};
 
 use crate::scene::CameraFrame;
+use cryptomatte::{MatteIds, TileMattes};
 
 /// What to render, and how.
 #[derive(Clone, Copy, Debug)]
@@ -57,7 +62,7 @@ pub struct RenderOptions {
     pub size: (u32, u32),
     /// The part of it that is rendered.
     pub window: PixelRect,
-    /// Samples a pixel.
+    /// Samples a pixel. Their places depend on it: with 8 in place of 16, a pixel does not have the first 8 of these.
     pub samples: u32,
     /// Changes every random number.
     pub seed: u32,
@@ -67,12 +72,22 @@ pub struct RenderOptions {
     pub filter: PixelFilter,
     /// Whether steps of traversal are counted.
     pub counts_cost: bool,
-    /// Whether the first hits of pixel centres are looked up.
-    pub wants_first_hits: bool,
+    /// Whether the film is for a file of layers: the first hits of pixel centres are looked up, and the parts of colours and their variance summed.
+    pub wants_layers: bool,
 }
 
 /// How a render is watched and ended.
 pub trait Observer: Sync {
+    /// Called before every pass with the samples that each pixel has and those that the pass would add; how many it shall add, 0 to end the render,
+    /// which is complete then. The first pass always adds one.
+    fn next_pass(&self, done: u32, planned: u32) -> u32 {
+        let _ = done;
+        planned
+    }
+    /// Called after every pass that was not stopped, with the picture so far.
+    fn pass_done(&self, film: &Film) {
+        let _ = film;
+    }
     /// Called after every tile, from any thread, with the number of samples it added.
     fn samples_done(&self, samples: u64);
     /// Whether to end now, with the picture so far. Asked for every pixel.
@@ -89,7 +104,7 @@ impl Observer for AtomicBool {
 
 /// Renders with the threads of the rayon pool in which it is called.
 ///
-/// The picture comes in passes of 1, 1, 2, 4, 8 and more samples a pixel, so that one that is stopped shows everything.
+/// The picture comes in passes of 1, 1, 2, 4, 8 and more samples a pixel, so that one that is stopped shows everything. The observer may make them smaller.
 pub fn render(
     stage: &Stage,
     camera: &CameraFrame,
@@ -103,11 +118,13 @@ pub fn render(
         camera,
         options,
     };
-    if options.wants_first_hits {
+    if options.wants_layers {
         // These rays are none of the samples', and are counted nowhere.
         film.tiles.par_iter_mut().for_each(|tile| {
             let mut tracer = Tracer::new(stage.accelerator, false);
             tile.first_hits = vec![None; tile.sums.len()];
+            tile.layers = vec![LayerSum::default(); tile.sums.len()];
+            tile.mattes = TileMattes::new(tile.sums.len());
             for ((x, y), first) in tile.rect.pixels().zip(&mut tile.first_hits) {
                 if observer.should_stop() {
                     break;
@@ -116,18 +133,34 @@ pub fn render(
             }
         });
     }
-    let mut done = 0;
-    while done < options.samples && !observer.should_stop() {
-        let end = done.saturating_mul(2).clamp(1, options.samples);
+    let ids = options.wants_layers.then(|| MatteIds::of(stage.scene));
+    let (mut done, mut wanted) = (0, options.samples);
+    while done < wanted && !observer.should_stop() {
+        let planned = done.clamp(1, wanted - done);
+        let pass = observer.next_pass(done, planned).min(planned);
+        if done > 0 && pass == 0 {
+            wanted = done;
+            break;
+        }
+        let end = done + pass.max(1);
         film.tiles.par_iter_mut().for_each(|tile| {
             let mut added = 0;
             let mut tracer = Tracer::new(stage.accelerator, options.counts_cost);
-            for ((x, y), sum) in tile.rect.pixels().zip(&mut tile.sums) {
+            tracer.covered = options.wants_layers.then(Vec::new);
+            for (index, ((x, y), sum)) in tile.rect.pixels().zip(&mut tile.sums).enumerate() {
+                let mut layers = tile.layers.get_mut(index);
                 for sample in done..end {
                     if observer.should_stop() {
                         break;
                     }
-                    sum.add(&pixel.sample(&mut tracer, x, y, sample));
+                    let sample = pixel.sample(&mut tracer, x, y, sample);
+                    sum.add(&sample);
+                    if let Some(layers) = &mut layers {
+                        layers.add(&sample, sum.samples);
+                    }
+                    if let (Some(ids), Some(covered)) = (&ids, &mut tracer.covered) {
+                        tile.mattes.add(index, ids, covered, sample.alpha);
+                    }
                     added += 1;
                 }
                 if let Some(cost) = &mut tracer.cost {
@@ -138,8 +171,11 @@ pub fn render(
             observer.samples_done(added);
         });
         done = end;
+        if !observer.should_stop() {
+            observer.pass_done(&film);
+        }
     }
-    film.is_complete = film.samples() == options.window.area() * u64::from(options.samples);
+    film.is_complete = film.samples() == options.window.area() * u64::from(wanted);
     film
 }
 
@@ -156,15 +192,17 @@ pub struct PixelRenderer<'a> {
 impl PixelRenderer<'_> {
     /// One sample of a pixel.
     pub fn sample(&self, tracer: &mut Tracer, x: u32, y: u32, sample: u32) -> Sample {
-        let mut sampler = Sampler::new(x, y, sample, self.options.seed);
-        let (dx, dy) = self.options.filter.sample(sampler.next_2d());
-        let ray = self.camera.ray(
-            f64::from(x) + 0.5 + dx,
-            f64::from(y) + 0.5 + dy,
-            Some((x, y)),
-        );
-        let integrator = self.options.integrator;
-        integrator.sample(self.stage, tracer, ray, self.cone(), &mut sampler)
+        let options = self.options;
+        let mut sampler = Sampler::among(x, y, sample, options.samples, options.seed);
+        let (dx, dy) = options.filter.sample(sampler.next_2d());
+        let (column, row) = (f64::from(x) + 0.5 + dx, f64::from(y) + 0.5 + dy);
+        let ray = if self.camera.lens().is_some() {
+            self.camera.lens_ray(column, row, sampler.next_2d())
+        } else {
+            self.camera.ray(column, row, Some((x, y)))
+        };
+        let cone = self.cone();
+        (options.integrator).sample(self.stage, tracer, ray, cone, &mut sampler)
     }
 
     /// The cone of a sample. The samples of a pixel share it, so each stands for less than the whole; how much less is bounded, since
@@ -183,7 +221,7 @@ impl PixelRenderer<'_> {
         }
     }
 
-    /// What the ray through a pixel's centre meets first. Places where a material's alpha is zero do not count.
+    /// What the ray through a pixel's centre, and the middle of the lens, meets first. Places where a material's alpha is zero do not count.
     pub fn first_hit(&self, tracer: &mut Tracer, x: u32, y: u32) -> Option<FirstHit> {
         let (x_center, y_center) = (f64::from(x) + 0.5, f64::from(y) + 0.5);
         let mut ray = self.camera.ray(x_center, y_center, Some((x, y)));

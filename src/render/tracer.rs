@@ -91,6 +91,17 @@ pub enum Answer {
     Any(bool),
 }
 
+/// A surface that a sample of a pixel met, and the share of the sample that it covers.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Covered {
+    /// Index of the scene's instance.
+    pub instance: u32,
+    /// Index of the scene's material.
+    pub material: u32,
+    /// Share of the sample, 0 to 1.
+    pub share: f32,
+}
+
 /// Sends rays to an accelerator.
 pub struct Tracer<'a> {
     accelerator: &'a dyn Accelerator,
@@ -100,6 +111,8 @@ pub struct Tracer<'a> {
     pub cost: Option<TraceCounters>,
     /// The rays themselves, if they are recorded.
     pub record: Option<Vec<TracedRay>>,
+    /// What covers the sample, in the order in which the eye ray met it, if that is asked for.
+    pub covered: Option<Vec<Covered>>,
 }
 
 impl<'a> Tracer<'a> {
@@ -111,6 +124,18 @@ impl<'a> Tracer<'a> {
             rays: RayCounts::default(),
             cost,
             record: None,
+            covered: None,
+        }
+    }
+
+    /// Notes, if that is asked for, that a surface covers a share of the sample: integrators say so of every surface that an eye ray meets.
+    pub fn cover(&mut self, instance: u32, material: u32, share: f32) {
+        if let Some(covered) = &mut self.covered {
+            covered.push(Covered {
+                instance,
+                material,
+                share,
+            });
         }
     }
 

@@ -1,5 +1,7 @@
 //! Cameras: where the eye is and how the world falls on the screen. World space, right-handed.
 
+use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, PI};
+
 use glam::{DQuat, DVec3, Vec3};
 
 use crate::geometry::{Ray, RayOrigin};
@@ -17,6 +19,17 @@ pub enum Projection {
         /// Height of the picture, in model units.
         height: f32,
     },
+    /// Everything around the eye, by longitude along the rows and latitude along the columns (equirectangular). The view is in the middle.
+    Panoramic,
+}
+
+/// A thin lens: what is in its plane of focus is sharp, all else is blurred.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Lens {
+    /// Radius of the opening, in model units.
+    pub radius: f64,
+    /// Depth of the plane of focus along the view axis, in model units.
+    pub focus_distance: f64,
 }
 
 /// A camera, given by the numbers that a user can type.
@@ -61,7 +74,16 @@ pub struct CameraFrame {
     half: (f64, f64),
     /// Twice the reciprocal of the picture's width and height, per pixel.
     scale: (f64, f64),
-    is_perspective: bool,
+    shape: Shape,
+    lens: Option<Lens>,
+}
+
+/// A [`Projection`] without its numbers.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Shape {
+    Perspective,
+    Orthographic,
+    Panoramic,
 }
 
 impl Camera {
@@ -105,15 +127,16 @@ impl Camera {
         let right = across(self.view_up.as_dvec3()).unwrap_or_else(fallback);
         let up = right.cross(forward);
         let size = (f64::from(width), f64::from(height));
-        let (half_height, is_perspective) = match self.projection {
+        let (half_height, shape) = match self.projection {
             Projection::Perspective { view_angle } => {
                 let angle = f64::from(view_angle);
                 (0.0 < angle && angle < 180.0)
-                    .then(|| (libm::tan(angle.to_radians() / 2.0), true))?
+                    .then(|| (libm::tan(angle.to_radians() / 2.0), Shape::Perspective))?
             }
-            Projection::Orthographic { height } => {
-                (0.0 < height && height.is_finite()).then(|| (f64::from(height) / 2.0, false))?
-            }
+            Projection::Orthographic { height } => (0.0 < height && height.is_finite())
+                .then(|| (f64::from(height) / 2.0, Shape::Orthographic))?,
+            // There is no screen; the numbers stand for one of a right angle.
+            Projection::Panoramic => (1.0, Shape::Panoramic),
         };
         let half = (half_height * size.0 / size.1, half_height);
         Some(CameraFrame {
@@ -123,24 +146,52 @@ impl Camera {
             forward,
             half,
             scale: (2.0 / size.0, 2.0 / size.1),
-            is_perspective,
+            shape,
+            lens: None,
         })
     }
 }
 
 impl CameraFrame {
+    /// The camera with a thin lens instead of a pinhole, for [`lens_ray`](Self::lens_ray).
+    #[must_use]
+    pub fn with_lens(self, lens: Lens) -> Self {
+        Self {
+            lens: Some(lens),
+            ..self
+        }
+    }
+
+    /// The lens, if the camera is no pinhole.
+    pub fn lens(&self) -> Option<Lens> {
+        self.lens
+    }
+
+    /// The ray through a screen position, as [`ray`](Self::ray) has it, that starts at the point of the lens that two numbers in [0, 1) choose: evenly from its disk, by
+    /// the concentric map of Shirley and Chiu (1997). It meets the ray through the lens's middle in the plane of focus. Without a lens, and for
+    /// panoramas, it is that ray.
+    ///
+    /// It knows no pixel: what is behind a pixel is not where its screen position says.
+    pub fn lens_ray(&self, x: f64, y: f64, numbers: [f32; 2]) -> Ray {
+        let middle = self.ray(x, y, None);
+        let Some(lens) = self.lens.filter(|_| self.shape != Shape::Panoramic) else {
+            return middle;
+        };
+        let (origin, direction) = self.origin_and_direction(x, y);
+        let focus = origin + direction * (lens.focus_distance / direction.dot(self.forward));
+        let (across, upwards) = concentric_disk(numbers);
+        let start = origin + (self.right * across + self.up * upwards) * lens.radius;
+        Ray {
+            source: middle.source,
+            ..Ray::new(start.as_vec3(), (focus - start).normalize().as_vec3())
+        }
+    }
+
     /// The ray through screen position (`x`, `y`), in pixels from the top left corner; pixel centres are at halves.
     ///
     /// Its direction has unit length, so `t` is a distance in model units. `pixel` is what the ray will know of its pixel.
     pub fn ray(&self, x: f64, y: f64, pixel: Option<(u32, u32)>) -> Ray {
-        let right = (x * self.scale.0 - 1.0) * self.half.0;
-        let up = (1.0 - y * self.scale.1) * self.half.1;
-        let offset = self.right * right + self.up * up;
-        let (origin, direction) = if self.is_perspective {
-            (self.origin, (self.forward + offset).normalize())
-        } else {
-            (self.origin + offset, self.forward)
-        };
+        let (origin, direction) = self.origin_and_direction(x, y);
         let source = RayOrigin { depth: 0, pixel };
         Ray {
             source,
@@ -148,9 +199,30 @@ impl CameraFrame {
         }
     }
 
-    /// Distance of a point from the plane through the eye across the view, in model units: the picture's depth.
+    fn origin_and_direction(&self, x: f64, y: f64) -> (DVec3, DVec3) {
+        // From -1 to 1, to the right and upwards.
+        let (right, up) = (x * self.scale.0 - 1.0, 1.0 - y * self.scale.1);
+        let offset = self.right * (right * self.half.0) + self.up * (up * self.half.1);
+        match self.shape {
+            Shape::Perspective => (self.origin, (self.forward + offset).normalize()),
+            Shape::Orthographic => (self.origin + offset, self.forward),
+            Shape::Panoramic => {
+                let (east, north) = libm::sincos(right * PI);
+                let (upwards, level) = libm::sincos(up * FRAC_PI_2);
+                let around = self.forward * north + self.right * east;
+                (self.origin, around * level + self.up * upwards)
+            }
+        }
+    }
+
+    /// Distance of a point from the plane through the eye across the view, in model units: the picture's depth. In a panorama, which has no such plane, its distance from
+    /// the eye.
     pub fn depth(&self, point: Vec3) -> f32 {
-        (point.as_dvec3() - self.origin).dot(self.forward) as f32
+        let from_eye = point.as_dvec3() - self.origin;
+        match self.shape {
+            Shape::Panoramic => from_eye.length() as f32,
+            _ => from_eye.dot(self.forward) as f32,
+        }
     }
 
     /// Right, up and backward unit vectors and the eye: the columns of the matrix that takes camera space (x right,
@@ -169,10 +241,30 @@ impl CameraFrame {
         self.half
     }
 
-    /// Whether the rays meet in the eye.
+    /// Whether the rays go from the eye through a screen.
     pub fn is_perspective(&self) -> bool {
-        self.is_perspective
+        self.shape == Shape::Perspective
     }
+
+    /// Whether there is a screen at all, so that a place in the world has one on the picture by a matrix. A panorama has none.
+    pub fn has_screen(&self) -> bool {
+        self.shape != Shape::Panoramic
+    }
+}
+
+/// A point of the unit disk for a point of the unit square: squares around its middle become circles (Shirley and Chiu 1997, "A Low
+/// Distortion Map Between Disk and Square"), so that what is stratified stays so.
+fn concentric_disk([u, v]: [f32; 2]) -> (f64, f64) {
+    let (a, b) = (2.0 * f64::from(u) - 1.0, 2.0 * f64::from(v) - 1.0);
+    let (radius, angle) = if a.abs() > b.abs() {
+        (a, FRAC_PI_4 * (b / a))
+    } else if b == 0.0 {
+        return (0.0, 0.0);
+    } else {
+        (b, FRAC_PI_2 - FRAC_PI_4 * (a / b))
+    };
+    let (sine, cosine) = libm::sincos(angle);
+    (radius * cosine, radius * sine)
 }
 
 #[cfg(test)]
@@ -233,6 +325,75 @@ mod tests {
         assert_eq!(a.direction, b.direction);
         assert!((a.origin - Vec3::new(-3.0, 4.0, 3.0)).length() < 1e-6);
         assert!((b.origin - Vec3::new(5.0, 0.0, 3.0)).length() < 1e-6);
+    }
+
+    #[test]
+    fn a_panorama_shows_what_is_around_the_eye() {
+        let frame = camera(Projection::Panoramic)
+            .frame(400, 200)
+            .expect("valid");
+        let eye = Vec3::new(1.0, 2.0, 3.0);
+        for (x, y, want) in [
+            (200.0, 100.0, Vec3::NEG_Z),
+            (300.0, 100.0, Vec3::X),
+            (100.0, 100.0, Vec3::NEG_X),
+            (0.0, 100.0, Vec3::Z),
+            (37.0, 0.0, Vec3::Y),
+            (300.0, 150.0, Vec3::new(1.0, -1.0, 0.0).normalize()),
+        ] {
+            let ray = frame.ray(x, y, None);
+            assert_eq!(ray.origin, eye);
+            assert!(
+                (ray.direction - want).length() < 1e-6,
+                "{x} {y}: {}",
+                ray.direction
+            );
+        }
+        assert_eq!(frame.depth(eye + Vec3::new(2.0, 3.0, 6.0)), 7.0);
+        assert!(!frame.has_screen());
+    }
+
+    #[test]
+    fn rays_through_the_lens_meet_in_the_plane_of_focus_and_fill_its_disk() {
+        let lens = Lens {
+            radius: 0.25,
+            focus_distance: 4.0,
+        };
+        for projection in [
+            Projection::Perspective { view_angle: 70.0 },
+            Projection::Orthographic { height: 3.0 },
+        ] {
+            let frame = camera(projection)
+                .frame(300, 100)
+                .expect("valid")
+                .with_lens(lens);
+            let middle = frame.ray(40.0, 80.0, None);
+            let sharp = middle.origin + middle.direction * (4.0 / -middle.direction.z);
+            let (mut sum, mut square) = (Vec3::ZERO, 0.0);
+            for i in 0..64 * 64 {
+                let numbers = [i % 64, i / 64].map(|n| (n as f32 + 0.5) / 64.0);
+                let ray = frame.lens_ray(40.0, 80.0, numbers);
+                let there =
+                    ray.origin + ray.direction * ((3.0 - 4.0 - ray.origin.z) / ray.direction.z);
+                assert!((there - sharp).length() < 1e-5, "{there} {sharp}");
+                let offset = ray.origin - middle.origin;
+                assert!(offset.length() < 0.25 && offset.z.abs() < 1e-6);
+                sum += offset / 4096.0;
+                square += offset.length_squared() / 4096.0;
+            }
+            // The mean square of the distance in an even disk is half that of its radius.
+            assert!(
+                sum.length() < 1e-4 && (square - 0.25 * 0.25 / 2.0).abs() < 1e-4,
+                "{sum} {square}"
+            );
+        }
+        let pinhole = camera(Projection::Orthographic { height: 3.0 })
+            .frame(9, 9)
+            .expect("valid");
+        assert_eq!(
+            pinhole.lens_ray(2.0, 3.0, [0.1, 0.9]),
+            pinhole.ray(2.0, 3.0, None)
+        );
     }
 
     #[test]

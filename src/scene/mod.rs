@@ -11,7 +11,7 @@ mod measure;
 mod mesh;
 mod texture;
 
-pub use camera::{Camera, CameraFrame, Projection};
+pub use camera::{Camera, CameraFrame, Lens, Projection};
 pub use defect::{Defect, DefectCause, Note};
 pub use environment::Sky;
 pub use instance::Instance;

@@ -52,8 +52,8 @@ fn half_transparent_panes_lie_over_one_another() {
             SkyMode::On => Sky::daylight(Vec3::Y).ground * 0.25,
             _ => Vec3::ZERO,
         };
-        film.map(|sum, first| {
-            let mean = sum.mean();
+        film.map(|pixel| {
+            let (mean, first) = (pixel.mean(), pixel.first);
             // All are sums of a few powers of two times the colours.
             assert!((mean.alpha - 0.75).abs() < 1e-7, "{}", mean.alpha);
             let want = upper * 0.5 + lower * 0.25;
@@ -117,9 +117,9 @@ fn a_mask_is_there_from_its_cutoff_on() {
     });
     scene.cameras.push(down(2.0, 0.5, 1.0));
     let film = direct(&scene, (4, 1), 16);
-    let found = film.map(|sum, first| {
-        assert!((sum.mean().alpha - 1.0).abs() < 1e-6);
-        (sum.mean().color, first.map(|f| f.hit.instance))
+    let found = film.map(|pixel| {
+        assert!((pixel.mean().alpha - 1.0).abs() < 1e-6);
+        (pixel.mean().color, pixel.first.map(|f| f.hit.instance))
     });
     let behind = (Vec3::new(0.125, 0.25, 0.5), Some(0));
     let mask = (Vec3::ONE, Some(1));

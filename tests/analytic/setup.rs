@@ -47,7 +47,7 @@ pub(crate) fn direct(scene: &Scene, size: (u32, u32), samples: u32) -> Film {
 
 /// Mean colour and coverage of each pixel.
 pub(crate) fn means(film: &Film) -> Vec<(Vec3, f32)> {
-    film.map(|sum, _| (sum.mean().color, sum.mean().alpha))
+    film.map(|pixel| (pixel.mean().color, pixel.mean().alpha))
 }
 
 #[track_caller]

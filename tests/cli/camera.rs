@@ -43,6 +43,12 @@ fn printed_flags_give_the_same_picture() {
         ("lecture-objects.gltf", &[][..]),
         ("lecture-objects.gltf", &["--camera-index", "drawing"]),
         ("lecture-objects.gltf", &["--camera-index", "auto"]),
+        ("lecture-objects.gltf", &["--projection", "orthographic"]),
+        ("lecture-objects.gltf", &["--projection", "panoramic"]),
+        (
+            "lecture-objects.gltf",
+            &["--aperture", "0.3", "--focus-distance", "7.1"],
+        ),
         ("cornell-box.obj", &[]),
         ("lecture-block.obj", &["--up", "-z"]),
         ("lecture-block.obj", &["--camera-direction", "-0.3,-1,0.1"]),

@@ -2,10 +2,13 @@
 
 mod camera;
 mod compare;
+mod denoise;
 mod environments;
 mod errors;
 mod extents;
 mod frames;
+mod lens;
+mod mattes;
 mod models;
 mod outputs;
 mod overlay;
@@ -15,4 +18,5 @@ mod run;
 mod shell;
 #[cfg(unix)]
 mod signals;
+mod tev;
 mod views;

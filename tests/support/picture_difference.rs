@@ -23,6 +23,8 @@ pub(crate) enum Tolerance {
 /// for rounding alone.
 pub(crate) fn tolerance(channel: &str) -> Tolerance {
     match channel.split('.').next().unwrap_or(channel) {
+        // Ids, of which all bits count.
+        "CryptoObject00" | "CryptoMaterial00" if channel.ends_with(['R', 'B']) => Tolerance::Exact,
         "id" | "material" | "prim" | "samples" | "fragment" | "bsp-depth" => Tolerance::Exact,
         "Z" | "distance" | "P" | "N" | "Ng" | "uv" => Tolerance::Ulps(4.0),
         _ => Tolerance::Color {

@@ -71,7 +71,7 @@ pub(crate) fn options(size: (u32, u32), samples: u32, integrator: Integrator) ->
         integrator,
         filter: PixelFilter::Box,
         counts_cost: true,
-        wants_first_hits: true,
+        wants_layers: true,
     }
 }
 

@@ -5,7 +5,7 @@
 //! points on one side, which is the same where all are before the eye, and right where they are not: a floor below the eye keeps its
 //! horizon, and an object around the eye fills the screen.
 //!
-//! There is no lens here: with depth of field rays do not meet in the eye, and screen extents would have to be off.
+//! There is no lens here: with depth of field rays do not meet in the eye, and in a panorama there is no screen. Such cameras give no view, and their rays know no pixel.
 
 use glam::{DVec3, Vec3};
 

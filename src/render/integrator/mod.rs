@@ -74,23 +74,25 @@ pub enum LightSearch {
 }
 
 /// What a sample of a pixel saw. Colours are linear radiance.
+///
+/// All but `alpha` and `backdrop` is already multiplied by how much of the pixel the surfaces cover.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Sample {
-    /// Light from surfaces, already multiplied by how much of the pixel they cover.
+    /// Light from surfaces: the sum of `direct` and `indirect`, but for rounding.
     pub color: Vec3,
     /// Share that surfaces cover.
     pub alpha: f32,
     /// Light from behind all surfaces, already multiplied by the share that they leave free.
     pub backdrop: Vec3,
-    /// The part of `color` that came to the eye from a light, or from one by way of one surface.
+    /// The part of `color` that left the surface that the eye sees by itself, or came to it from a light without meeting another surface.
     pub direct: Vec3,
-    /// The rest of `color`.
+    /// The part of `color` that met further surfaces on its way.
     pub indirect: Vec3,
-    /// The share of light that surfaces scatter matt, multiplied by coverage.
+    /// Share of white light from everywhere that the surface throws back in all directions, 0 to 1.
     pub diffuse_albedo: Vec3,
-    /// The share of light that surfaces mirror or let pass, multiplied by coverage.
+    /// Share of white light from everywhere that the surface mirrors, sharply or not, or lets through, 0 to 1.
     pub specular_albedo: Vec3,
-    /// Shading normals in world space, multiplied by coverage.
+    /// Shading normal in world space, of unit length where one surface covers all.
     pub normal: Vec3,
 }
 
@@ -192,7 +194,9 @@ impl Integrator {
             let material = surface.material_point(stage);
             if material.alpha > 0.0 {
                 let seen = self.shade(stage, tracer, &ray, &surface, &material, sampler);
-                sample.add(&seen, material.alpha * (1.0 - sample.alpha));
+                let share = material.alpha * (1.0 - sample.alpha);
+                sample.add(&seen, share);
+                tracer.cover(hit.instance, surface.material, share);
             }
             if 1.0 - sample.alpha < NEARLY_OPAQUE {
                 break;
