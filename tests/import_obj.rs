@@ -476,7 +476,7 @@ fn malformed_models_do_what_their_first_line_says() {
     }
     for (name, note_count) in [
         ("missing-mtl", 2),
-        ("missing-texture", 1),
+        ("missing-texture", 2),
         ("no-such-normal", 1),
     ] {
         let scene = load_model(&format!("malformed/{name}.obj")).unwrap();
