@@ -188,3 +188,36 @@ fn a_scene_knows_the_files_it_was_read_from() {
     let all = ["a.mtl", "broken.png", "bump.png", "model.obj", "tex.png"];
     assert_eq!(names, all);
 }
+
+#[test]
+fn maps_of_the_physical_extension_are_read_or_named() {
+    // tobj leaves all of these to its caller, unread.
+    let obj = format!("mtllib a.mtl\n{V}usemtl m\nf 1 2 3\n");
+    let grey = png([128, 128, 128, 255]);
+    let load = |mtl: &str| {
+        let scene = load_files(&[
+            ("model.obj", obj.as_bytes()),
+            ("a.mtl", mtl.as_bytes()),
+            ("a b.png", &grey),
+            ("n.png", &grey),
+        ])
+        .unwrap();
+        let notes = notes(&scene);
+        (scene.materials[0].clone(), notes)
+    };
+    let both = "map_Pr a b.png\nmap_Pm a b.png\nnorm n.png\nPr 0.5\n";
+    let (m, told) = load(&format!("newmtl m\n{both}"));
+    assert!(m.metallic_roughness_texture.is_some() && m.normal_texture.is_some());
+    assert_eq!((m.roughness, m.metallic), (0.5, 1.0));
+    assert!(told.is_empty(), "{told:?}");
+    let (m, told) = load("newmtl m\nmap_Pr a b.png\n");
+    assert!(m.metallic_roughness_texture.is_some() && told.is_empty());
+    let (m, told) = load("newmtl m\nmap_Pm n.png\nmap_Pr a b.png\n");
+    assert!(m.metallic_roughness_texture.is_none());
+    assert!(told[0].contains("map_Pr and map_Pm are left out"));
+    let (_, told) = load("newmtl m\ndisp n.png\naniso 0.5\nanisor 0.25\nmap_Ks n.png\nTf 1 1 1\n");
+    assert_eq!(
+        told,
+        ["material \"m\": disp, aniso, anisor, map_Ks left out"]
+    );
+}
