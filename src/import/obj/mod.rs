@@ -1,11 +1,12 @@
 //! OBJ with MTL, through the crate `tobj`.
 //!
-//! `text` makes lines of bytes; `prepass` (with `attributes`, `faces`, `objects`, `numbers`, `pieces`) makes of those lines
+//! `text` makes lines of bytes; `prepass` (with `attributes`, `claims`, `faces`, `objects`, `numbers`, `pieces`) makes of those lines
 //! a text that `tobj` reads without loss; `reader` has `tobj` read it; `mesh`, `triangulate`, `ears`, `monotone` (with `outline` and `status`) make meshes of the result.
 //! `mtl` does for materials what `prepass` does for geometry, `materials` and `textures` convert them. Each of these says
 //! at its head what it takes for granted where the format is silent.
 
 mod attributes;
+mod claims;
 mod ears;
 mod faces;
 mod files;

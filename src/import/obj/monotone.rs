@@ -10,6 +10,7 @@
 
 use super::outline::Outline;
 use super::status::Status;
+use crate::geometry::exact::Sign;
 
 /// A chain of a monotone piece.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -78,11 +79,11 @@ impl Sweep<'_> {
             .find(|edge| self.outline.is_right_of(corner, edge));
         match (comes_from_above, goes_down) {
             // A beginning, or the top of a gap.
-            (false, true) if turn > 0.0 => {
+            (false, true) if turn == Sign::Positive => {
                 self.regions[corner as usize] = Some(Region::new(Piece::new(corner)));
                 self.status.insert(place, corner);
             }
-            (false, true) if turn < 0.0 => {
+            (false, true) if turn == Sign::Negative => {
                 let around = self.status.before(place)?;
                 let (left, right) = self.split(around, corner)?;
                 self.regions[around as usize] = Some(Region::new(left));
@@ -102,14 +103,14 @@ impl Sweep<'_> {
                 self.regions[around as usize] = Some(Region::new(piece));
             }
             // An end, or the bottom of what stands between two regions.
-            (true, false) if turn > 0.0 => {
+            (true, false) if turn == Sign::Positive => {
                 self.status.remove(place, before)?;
                 let region = self.regions[before as usize].take()?;
                 for piece in [Some(region.left), region.right].into_iter().flatten() {
                     self.fan(&piece, corner);
                 }
             }
-            (true, false) if turn < 0.0 => {
+            (true, false) if turn == Sign::Negative => {
                 let around = self.status.before(place)?;
                 self.status.remove(place, before)?;
                 let right = self.close_left(before, corner)?;

@@ -7,7 +7,8 @@
 use std::cmp::Ordering;
 
 use glam::DVec2;
-use robust::{Coord, orient2d};
+
+use crate::geometry::exact::{Sign, side_of_line};
 
 /// How much the sweeping line is tilted: a corner's height is y plus this times x. Models have many corners of one y, or of one x, and
 /// between three that the line meets at once there would be triangles without area. Of few bits, so that heights are exact, or nearly.
@@ -19,13 +20,9 @@ pub(super) struct Outline<'p> {
 }
 
 impl Outline<'_> {
-    /// Twice the area of a triangle, with the right sign.
-    pub(super) fn turn(&self, [a, b, c]: [u32; 3]) -> f64 {
-        let at = |i: u32| {
-            let [x, y] = self.points[i as usize];
-            Coord { x, y }
-        };
-        orient2d(at(a), at(b), at(c))
+    /// Which way a triangle turns: positive counter-clockwise.
+    pub(super) fn turn(&self, [a, b, c]: [u32; 3]) -> Sign {
+        side_of_line([self.at(a), self.at(b)], self.at(c))
     }
 
     /// The corner before.
@@ -73,30 +70,32 @@ impl Outline<'_> {
         Some(order)
     }
 
-    /// The sign of [`Self::turn`] after all corners were moved a little inwards, where it is zero before.
-    fn turn_when_moved(&self, [a, b, c]: [u32; 3]) -> f64 {
-        let turn = self.turn([a, b, c]);
-        if turn != 0.0 {
-            return turn;
+    /// Whether a triangle is counter-clockwise after all corners were moved a little inwards.
+    fn is_left_turn_when_moved(&self, triangle: [u32; 3]) -> bool {
+        match self.turn(triangle) {
+            Sign::Positive => true,
+            Sign::Negative => false,
+            Sign::Zero => {
+                // How fast its area grows while they move.
+                let [a, b, c] = triangle.map(|i| self.at(i));
+                let [va, vb, vc] = triangle.map(|i| self.inwards(i));
+                (vb - va).perp_dot(c - a) + (b - a).perp_dot(vc - va) > 0.0
+            }
         }
-        // How fast the area grows while they move.
-        let [pa, pb, pc] = [a, b, c].map(|i| self.at(i));
-        let [va, vb, vc] = [a, b, c].map(|i| self.inwards(i));
-        (vb - va).perp_dot(pc - pa) + (pb - pa).perp_dot(vc - va)
     }
 
     /// Whether a corner lies right of an edge that leads down, that is, left of its direction.
     pub(super) fn is_right_of(&self, corner: u32, edge: u32) -> bool {
         let end = self.after(edge);
-        end != corner && self.turn_when_moved([edge, end, corner]) > 0.0
+        end != corner && self.is_left_turn_when_moved([edge, end, corner])
     }
 
     /// Whether a triangle can be cut off. One without area cannot, except where corners lie on one another.
     pub(super) fn is_ear(&self, triangle: [u32; 3]) -> bool {
         let [a, b, c] = triangle.map(|i| self.at(i));
         match a == b || b == c || a == c {
-            true => self.turn_when_moved(triangle) > 0.0,
-            false => self.turn(triangle) > 0.0,
+            true => self.is_left_turn_when_moved(triangle),
+            false => self.turn(triangle) == Sign::Positive,
         }
     }
 }
