@@ -63,7 +63,7 @@ const TEXTS: &[(&str, &str)] = &[
     ),
     (
         "malformed/missing-texture.obj",
-        "# Wrong: the MTL names an image that is not there. Expected: a note that names it; the colour Kd is used.\n\
+        "# Wrong: the MTL names an image that is not there. Expected: a note that names it; a magenta checker stands in for it.\n\
          mtllib missing-texture.mtl\n\
          v 0 0 0\n\
          v 2 0 0\n\

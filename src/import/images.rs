@@ -1,7 +1,9 @@
-//! The images that model files name or carry, decoded.
+//! The images that model files name or carry, decoded, and what stands in for those that cannot be had.
+
+use glam::Vec4;
 
 use crate::picture::{PictureError, mend_texels, read_image_if};
-use crate::scene::{Image, Pixels};
+use crate::scene::{Filter, Image, Material, Pixels, Texture, TextureRef};
 
 /// Squares of the stand-in along each side.
 const STAND_IN_SQUARES: u32 = 8;
@@ -39,8 +41,34 @@ pub(super) fn mend(image: &mut Image) -> Option<String> {
     }
 }
 
+/// What is to be said of a material for which [`show_stand_in`] was called.
+pub(super) const STAND_IN_NOTE: &str =
+    "the image of its colour is left out: a magenta checker stands in for it";
+
+/// Adds the stand-in to a scene's images and textures. Gives the number of its texture.
+pub(super) fn add_stand_in(images: &mut Vec<Image>, textures: &mut Vec<Texture>) -> u32 {
+    let image = images.len() as u32;
+    images.push(stand_in());
+    textures.push(Texture {
+        image,
+        filter: Filter::Nearest,
+        ..Texture::default()
+    });
+    textures.len() as u32 - 1
+}
+
+/// Gives a material the texture of the stand-in for its colour, undimmed, so that it is seen. Its alpha stays.
+pub(super) fn show_stand_in(material: &mut Material, texture: u32, uv_set: u32) {
+    material.base_color = Vec4::ONE.with_w(material.base_color.w);
+    material.base_color_texture = Some(TextureRef {
+        texture,
+        uv_set,
+        ..TextureRef::default()
+    });
+}
+
 /// A magenta checker, for images of colours that cannot be had.
-pub(super) fn stand_in() -> Image {
+fn stand_in() -> Image {
     let side = STAND_IN_SQUARES;
     let square = |i: u32| match (i % side + i / side) % 2 {
         0 => [255, 0, 255, 255],

@@ -72,6 +72,7 @@ fn every_extension_of_the_list_may_be_required() {
         "KHR_materials_diffuse_transmission",
         "KHR_materials_dispersion",
         "KHR_materials_iridescence",
+        "KHR_xmp_json_ld",
         "MSFT_texture_dds",
     ] {
         refused(&["extensionsRequired: not supported: ", name], |m| {

@@ -289,3 +289,77 @@ fn the_best_of_a_textures_images_is_shown() {
     };
     assert_eq!(pixels[..], [[10, 20, 30, 255], [200, 100, 50, 255]]);
 }
+
+#[test]
+fn the_fallback_of_an_image_that_cannot_be_had_is_shown() {
+    let data = |mime: &str, base64: &str| json!({"uri": format!("data:{mime};base64,{base64}")});
+    let basis = |source: usize| json!({"KHR_texture_basisu": {"source": source}});
+    let webp = |source: usize| json!({"EXT_texture_webp": {"source": source}});
+    // The mark of a KTX 2.0 file and nothing behind it; the head of a WebP file and nothing behind it.
+    let images = json!([
+        data("image/png", PNG),
+        data("image/ktx2", "q0tUWCAyMLsNChoK"),
+        {"uri": "gone.ktx2"},
+        data("image/webp", "UklGRgAAAABXRUJQ"),
+        {"uri": "gone.webp"},
+        {"bufferView": 99, "mimeType": "image/ktx2"},
+        data("image/webp", WEBP),
+        {"uri": "never looked at.png"},
+    ]);
+    let textures = json!([
+        {"source": 0, "extensions": basis(1)},
+        {"source": 0, "extensions": basis(2)},
+        {"source": 0, "extensions": webp(3)},
+        {"source": 0, "extensions": webp(4)},
+        {"source": 0, "extensions": basis(5)},
+        {"source": 0, "extensions": basis(77)},
+        // Both extensions: the second choice is WebP.
+        {"source": 0, "extensions": {"KHR_texture_basisu": {"source": 1}, "EXT_texture_webp": {"source": 6}}},
+        // Nothing is left.
+        {"source": 4, "extensions": basis(2)},
+        {"source": 7, "extensions": webp(6)},
+        // Not decoded, as it is a normal map: that it is broken is not seen, but that it is not there is.
+        {"source": 0, "extensions": basis(1)},
+        {"source": 0, "extensions": basis(2)},
+    ]);
+    let scene = good(|m| {
+        m["images"] = images;
+        m["textures"] = textures;
+        m["materials"] = (0..9)
+            .map(|i| json!({"pbrMetallicRoughness": {"baseColorTexture": {"index": i}}}))
+            .chain((9..11).map(|i| json!({"normalTexture": {"index": i}})))
+            .collect();
+        let primitives = (0..11).map(|i| json!({"attributes": {"POSITION": 0}, "material": i}));
+        m["meshes"][0]["primitives"] = primitives.collect();
+    });
+    let image_of = |i: usize| {
+        let m = &scene.materials[i];
+        let texture = m.base_color_texture.or(m.normal_texture).expect("there");
+        scene.textures[texture.texture as usize].image
+    };
+    let stand_in = 8;
+    assert_eq!(scene.images[stand_in as usize].name, "stand-in");
+    let shown: Vec<u32> = (0..11).map(image_of).collect();
+    assert_eq!(shown, [0, 0, 0, 0, 0, 0, 6, stand_in, 6, 0, 0]);
+    assert!(scene.images[0].pixels.is_some() && scene.images[6].pixels.is_some());
+    for words in [
+        "image 1: left out of its materials: cannot be decoded",
+        "image 2: left out of its materials: cannot read",
+        "image 3: left out of its materials: cannot be decoded",
+        "image 4: left out of its materials: cannot read",
+        "image 5: left out of its materials: buffer view 99 is not there",
+        "texture 0 and 1 more: image 1 cannot be had: image 0, its fallback, is shown",
+        "texture 1 and 1 more: image 2 cannot be had: image 0, its fallback, is shown",
+        "texture 2: image 3 cannot be had: image 0, its fallback, is shown",
+        "texture 5: image 77 cannot be had: image 0, its fallback, is shown",
+        "texture 6: image 1 cannot be had: image 6, its fallback, is shown",
+        "material \"material 7\": the image of its colour is left out",
+    ] {
+        assert!(
+            has_note(&scene, words),
+            "no {words:?} in {:#?}",
+            scene.notes
+        );
+    }
+    assert!(!has_note(&scene, "never looked at"));
+}

@@ -190,6 +190,26 @@ fn sparse_and_bufferless_accessors() {
 }
 
 #[test]
+fn sparse_accessors_may_be_of_integers_with_a_stride() {
+    let scene = good(|m| {
+        // (0, 0, 0), (127, 0, 0) and (0, 127, 0), each with padding; what replaces them has none.
+        let base = [0, 0, 0, 9, 127, 0, 0, 9, 0, 127, 0, 9];
+        let position = set_attribute(m, "POSITION", &base, BYTE, 3, "VEC3");
+        let view = m["accessors"][position]["bufferView"].as_u64();
+        m["bufferViews"][view.expect("there") as usize]["byteStride"] = json!(4);
+        let indices = add_view(m, &[0, 0, 2, 0]);
+        let values = add_view(m, &[0, 0, 127, 127, 0x80, 0]);
+        m["accessors"][position]["normalized"] = json!(true);
+        m["accessors"][position]["sparse"] = json!({"count": 2,
+            "indices": {"bufferView": indices, "componentType": UNSIGNED_SHORT}, "values": {"bufferView": values}});
+    });
+    assert_eq!(
+        scene.meshes[0].positions,
+        [Vec3::Z, Vec3::X, Vec3::new(1.0, -1.0, 0.0)]
+    );
+}
+
+#[test]
 fn strips_and_fans_face_the_same_way() {
     // A unit quad as strip and as fan: all normals must point to +z.
     for (mode, corners) in [

@@ -60,7 +60,7 @@ use super::{Ray, Triangle};
 pub use depth::Depth;
 pub use indirect::{Point, Position};
 use integer::{lift, sign};
-pub use orient::side_of_point;
+pub use orient::{side_of_line, side_of_point};
 pub use plane::ExactPlane;
 
 /// The sign of a number, with zero as a value of its own.

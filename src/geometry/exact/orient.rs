@@ -1,6 +1,6 @@
-//! On which side of a plane a point of the input lies: Shewchuk's adaptive predicate, from the crate `robust`, which only this file names.
+//! On which side of a plane, or of a line in a plane, a point of the input lies: Shewchuk's adaptive predicate, from the crate `robust`, which only this file names.
 
-use glam::Vec3;
+use glam::{DVec2, Vec3};
 
 use super::Sign;
 
@@ -21,10 +21,28 @@ pub fn side_of_point(plane: [Vec3; 3], p: Vec3) -> Sign {
         z: p.z,
     });
     // Theirs is positive below the plane.
-    let below = robust::orient3d(a, b, c, p);
-    if below < 0.0 {
+    sign(-robust::orient3d(a, b, c, p))
+}
+
+/// The side of the line from `a` to `b` on which `p` lies: positive where `a`, `b`, `p` run counter-clockwise. Without rounding where
+/// products of two differences of coordinates neither overflow nor underflow.
+///
+/// ```
+/// use bspray::geometry::exact::{Sign, side_of_line};
+/// use glam::DVec2;
+/// let line = [DVec2::new(0.1, 0.1), DVec2::new(0.3, 0.3)];
+/// assert_eq!(side_of_line(line, DVec2::new(0.7, 0.7)), Sign::Zero);
+/// assert_eq!(side_of_line(line, DVec2::new(0.7, 0.7_f64.next_up())), Sign::Positive);
+/// ```
+pub fn side_of_line(line: [DVec2; 2], p: DVec2) -> Sign {
+    let [a, b, p] = [line[0], line[1], p].map(|p| robust::Coord { x: p.x, y: p.y });
+    sign(robust::orient2d(a, b, p))
+}
+
+fn sign(value: f64) -> Sign {
+    if value > 0.0 {
         Sign::Positive
-    } else if below > 0.0 {
+    } else if value < 0.0 {
         Sign::Negative
     } else {
         Sign::Zero

@@ -11,6 +11,7 @@ use serde_json::{Map, Value};
 use super::extensions::Extension;
 use super::notes::Notes;
 use super::texture::Textures;
+use crate::import::images;
 use crate::scene::{
     AlphaMode, Clearcoat, Material, Sheen, Specular, TextureRef, Transmission, Volume,
 };
@@ -146,14 +147,9 @@ pub(super) fn mark_lost_color(
         return;
     }
     let uv_set = pbr.base_color_texture.as_ref().map_or(0, |t| t.tex_coord);
-    material.base_color_texture = Some(TextureRef {
-        texture: textures.stand_in(),
-        uv_set,
-        ..TextureRef::default()
-    });
-    material.base_color = Vec4::ONE.with_w(material.base_color.w);
-    let text = "the image of its colour is left out: a magenta checker stands in for it";
-    notes.add(format!("material {:?}", material.name), text);
+    images::show_stand_in(material, textures.stand_in(), uv_set);
+    let element = format!("material {:?}", material.name);
+    notes.add(element, images::STAND_IN_NOTE);
 }
 
 fn extensions(json: &json::Material) -> Option<&Map<String, Value>> {

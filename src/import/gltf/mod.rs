@@ -52,7 +52,7 @@ use super::smooth::smooth;
 use super::{FileRead, ImportError, ImportOptions, images};
 use crate::geometry::Aabb;
 use crate::geometry::tolerance::COORDINATE_LIMIT;
-use crate::scene::{Defect, DefectCause, Filter, Instance, Scene, Texture, TriangleMesh};
+use crate::scene::{Defect, DefectCause, Instance, Scene, TriangleMesh};
 
 /// Reads a glTF file or GLB whose bytes are `bytes`, with the files that it names.
 pub(super) fn load(
@@ -242,12 +242,6 @@ fn read_materials(document: &Document, scene: &mut Scene, notes: &mut Notes) {
     scene.textures = textures.textures;
     scene.images = textures.images;
     if is_marked {
-        let image = scene.images.len() as u32;
-        scene.images.push(images::stand_in());
-        scene.textures.push(Texture {
-            image,
-            filter: Filter::Nearest,
-            ..Texture::default()
-        });
+        images::add_stand_in(&mut scene.images, &mut scene.textures);
     }
 }

@@ -1,6 +1,6 @@
 //! Images, textures and the ways a material refers to them.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 
 use ::gltf::json::texture::{MagFilter, MinFilter, WrappingMode};
 use ::gltf::json::validation::Checked;
@@ -35,54 +35,45 @@ impl Textures {
     /// Reads the images of the textures `shown`, and looks whether the others are there.
     pub(super) fn read(document: &Document, shown: &BTreeSet<usize>, notes: &mut Notes) -> Self {
         let root = &document.root;
-        let image_of = |texture: usize| {
-            let mut sources = sources(root.textures.get(texture)?);
-            sources.find(|&s| s < root.images.len())
-        };
-        let referred: BTreeSet<usize> = (0..root.textures.len()).filter_map(image_of).collect();
-        let decoded: BTreeSet<usize> = shown.iter().copied().filter_map(image_of).collect();
-        let read: Vec<Result<Image, String>> = (0..root.images.len())
-            .into_par_iter()
-            .map(|i| match (decoded.contains(&i), referred.contains(&i)) {
-                (true, _) => read_image(document, i),
-                (false, true) => find_image(document, i),
-                (false, false) => Ok(empty_image(document, i)),
-            })
-            .collect();
+        let mut choices = Choices::new(root);
+        while choices.read_more(document, shown) {}
 
-        let mut is_lost = vec![false; read.len()];
-        let mut images = Vec::with_capacity(read.len());
-        for (i, image) in read.into_iter().enumerate() {
-            let element = || label("image", i, root.images[i].name.as_ref());
-            let mut image = image.unwrap_or_else(|cause| {
-                is_lost[i] = true;
-                notes.add(element(), format!("left out of its materials: {cause}"));
-                empty_image(document, i)
-            });
-            if let Some(mended) = images::mend(&mut image) {
-                notes.add(element(), mended);
-            }
-            images.push(image);
+        let causes = choices.read.iter().enumerate();
+        for (i, cause) in causes.filter_map(|(i, r)| Some((i, r.as_ref()?.as_ref().err()?))) {
+            let element = label("image", i, root.images[i].name.as_ref());
+            notes.add(element, format!("left out of its materials: {cause}"));
         }
-
         let mut textures = Vec::new();
         let mut places = Vec::with_capacity(root.textures.len());
         for (i, texture) in root.textures.iter().enumerate() {
-            let image = image_of(i).filter(|&image| !is_lost[image]);
+            let image = choices.image(i);
             places.push(image.map(|_| textures.len() as u32));
-            if let Some(image) = image {
-                textures.push(sampled(root, texture, image as u32));
-            } else if image_of(i).is_none() {
-                let element = label("texture", i, texture.name.as_ref());
-                let text = match sources(texture).next() {
-                    None => "left out of its materials: it has no image of a kind that is read",
-                    _ => "left out of its materials: its image is not there",
-                };
-                notes.add(element, text);
-            }
+            textures.extend(image.map(|image| sampled(root, texture, image as u32)));
+            let text = match (image, &choices.sources[i][..]) {
+                (Some(image), [best, ..]) if image == *best => continue,
+                (Some(image), [best, ..]) => {
+                    format!("image {best} cannot be had: image {image}, its fallback, is shown")
+                }
+                (_, []) => {
+                    "left out of its materials: it has no image of a kind that is read".to_owned()
+                }
+                (None, sources) if sources.iter().any(|&s| s < root.images.len()) => continue,
+                _ => "left out of its materials: its image is not there".to_owned(),
+            };
+            notes.add(label("texture", i, texture.name.as_ref()), text);
         }
+        let read = choices.read.into_iter().enumerate();
+        let images = read.map(|(i, read)| match read {
+            Some(Ok(mut image)) => {
+                if let Some(mended) = images::mend(&mut image) {
+                    notes.add(label("image", i, root.images[i].name.as_ref()), mended);
+                }
+                image
+            }
+            _ => empty_image(document, i),
+        });
         Self {
-            images,
+            images: images.collect(),
             textures,
             places,
         }
@@ -114,6 +105,69 @@ impl Textures {
             uv_set: instead.unwrap_or(uv_set),
             transform: uv_transform(map),
         })
+    }
+}
+
+/// Which of the images that a texture names it shows: the first that can be had.
+struct Choices {
+    /// The images of each texture, the best first.
+    sources: Vec<Vec<usize>>,
+    /// The place in `sources` of the choice of each texture; behind their end where none can be had.
+    chosen: Vec<usize>,
+    /// The images as far as they were looked at; without pixels if nothing shows them so far.
+    read: Vec<Option<Result<Image, String>>>,
+}
+
+impl Choices {
+    /// All textures choose the best of their images that the file has.
+    fn new(root: &Root) -> Self {
+        let mut choices = Self {
+            sources: root.textures.iter().map(|t| sources(t).collect()).collect(),
+            chosen: vec![0; root.textures.len()],
+            read: root.images.iter().map(|_| None).collect(),
+        };
+        choices.pass_lost();
+        choices
+    }
+
+    /// The image that a texture has chosen.
+    fn image(&self, texture: usize) -> Option<usize> {
+        self.sources[texture].get(self.chosen[texture]).copied()
+    }
+
+    /// Textures whose choice cannot be had choose the next.
+    fn pass_lost(&mut self) {
+        for (chosen, sources) in self.chosen.iter_mut().zip(&self.sources) {
+            let is_lost = |&s: &usize| !matches!(self.read.get(s), Some(None | Some(Ok(_))));
+            *chosen += sources[*chosen..].iter().take_while(|s| is_lost(s)).count();
+        }
+    }
+
+    /// Reads the images that are chosen, with pixels those of the textures `shown`. Whether there were any that were not
+    /// read before. As an image is read twice at most, and three are named by a texture, this is soon over.
+    fn read_more(&mut self, document: &Document, shown: &BTreeSet<usize>) -> bool {
+        let mut is_shown_of: BTreeMap<usize, bool> = BTreeMap::new();
+        for texture in 0..self.sources.len() {
+            if let Some(image) = self.image(texture) {
+                *is_shown_of.entry(image).or_default() |= shown.contains(&texture);
+            }
+        }
+        is_shown_of.retain(|&image, &mut is_shown| match &self.read[image] {
+            None => true,
+            Some(Ok(image)) => is_shown && image.pixels.is_none(),
+            Some(Err(_)) => false,
+        });
+        let images: Vec<(usize, bool)> = is_shown_of.into_iter().collect();
+        let read = images.par_iter().map(|&(image, is_shown)| match is_shown {
+            true => read_image(document, image),
+            false => find_image(document, image),
+        });
+        let read: Vec<Result<Image, String>> = read.collect();
+        for (&(image, _), read) in images.iter().zip(read) {
+            self.read[image] = Some(read);
+        }
+        self.pass_lost();
+        !images.is_empty()
     }
 }
 

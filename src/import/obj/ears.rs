@@ -1,28 +1,43 @@
-//! Cuts the ears of a polygon (crate `earcut`) and mends what it does to corners on straight lines.
+//! Cuts polygons in their plane: small ones by ears (crate `earcut`), others by a sweep, whose time does not grow with the square of
+//! their corners. Mends what ears do to corners on straight lines.
 
 use std::collections::HashMap;
 
+use super::monotone;
 use crate::geometry::tolerance::POLYGON_AREA_TOLERANCE;
 
-/// Most corners of a polygon whose ears are cut. The time grows with the square for comb-like shapes: 27 s for 50,000
-/// corners was measured, so that this keeps it near 10 s. Beyond, a polygon is fanned, and noted.
-const MOST_EARS: usize = 1 << 15;
+/// Most corners of a polygon that is cut by ears at once. Below, they are as fast as the sweep.
+const FEW_CORNERS: usize = 64;
 
-/// Corners of a polygon from which on the square of their number counts as work.
-const MANY_EARS: usize = 512;
+/// Most work for ears of larger polygons, those of a file on which the sweep failed since they cross themselves: the sum of the
+/// squares of their corners. 0.2 us for each was measured at worst (zigzags of 4,000 and 8,000 corners), and so 7 s for all. Beyond,
+/// polygons are fanned, and noted.
+const MOST_EARS: usize = 1 << 25;
 
-/// Most work for the polygons of a file, in squares of corners: that of 16 of the largest that are cut, a few minutes for combs. Files
-/// of honest polygons stay far below: 17,000 of a thousand corners each. Beyond, polygons are fanned, and noted.
-const MOST_WORK: usize = 1 << 34;
+/// Most triangles that are made less thin at once. The time may grow with the square of their number: 2 ns for each were measured at
+/// worst (parabolas of 10,000 and 100,000 corners), which is 2 us a corner with this. Those of larger polygons stay thin across the
+/// borders of such groups.
+const FLIPPED_AT_ONCE: usize = 1024;
 
-/// Cuts ears, reusing its memory.
-#[derive(Default)]
+/// Cuts polygons, reusing its memory.
 pub(super) struct Ears {
     plane: Vec<[f64; 2]>,
     earcut: earcut::Earcut<f64>,
     refiner: earcut::Refiner,
     cut: Vec<u32>,
-    work: usize,
+    ears_left: usize,
+}
+
+impl Default for Ears {
+    fn default() -> Self {
+        Self {
+            plane: Vec::new(),
+            earcut: earcut::Earcut::default(),
+            refiner: earcut::Refiner::default(),
+            cut: Vec::new(),
+            ears_left: MOST_EARS,
+        }
+    }
 }
 
 impl Ears {
@@ -30,22 +45,37 @@ impl Ears {
     /// `None` if they do not cover the polygon.
     pub(super) fn cut(&mut self, points: &[[f64; 3]]) -> Option<&[u32]> {
         let count = points.len();
-        if count > MANY_EARS && count <= MOST_EARS {
-            self.work = self.work.saturating_add(count * count);
-        }
-        if count > MOST_EARS || self.work > MOST_WORK {
-            return None;
-        }
         if !earcut::utils3d::project3d_to_2d(points, count, &mut self.plane) {
             return None;
         }
-        self.earcut.earcut_slice(&self.plane, &[], &mut self.cut);
+        let is_swept = count > FEW_CORNERS
+            && monotone::triangulate(&self.plane, &mut self.cut).is_some()
+            && self.covers();
+        if !is_swept {
+            if count > FEW_CORNERS {
+                let left = self.ears_left.checked_sub(count.saturating_mul(count));
+                self.ears_left = left?;
+            }
+            self.earcut.earcut_slice(&self.plane, &[], &mut self.cut);
+            if !self.covers() || !put_back_skipped(&mut self.cut, count as u32) {
+                return None;
+            }
+        }
+        for group in self.cut.chunks_mut(3 * FLIPPED_AT_ONCE) {
+            self.refiner.refine(group, &self.plane);
+        }
+        Some(&self.cut)
+    }
+
+    /// Whether the triangles cover the polygon. Makes all of them counter-clockwise, as the projection keeps the polygon; ears may
+    /// be cut the other way round.
+    fn covers(&mut self) -> bool {
         let area = |i: u32, j: u32, k: u32| {
             let [a, b, c] = [i, j, k].map(|i| self.plane[i as usize]);
             (b[0] - a[0]) * (c[1] - a[1]) - (c[0] - a[0]) * (b[1] - a[1])
         };
-        let whole: f64 = (1..count as u32 - 1).map(|i| area(0, i, i + 1)).sum();
-        // The projection keeps the polygon counter-clockwise; ears may be cut the other way round.
+        let count = self.plane.len() as u32;
+        let whole: f64 = (1..count - 1).map(|i| area(0, i, i + 1)).sum();
         let mut covered = 0.0;
         for ear in self.cut.chunks_exact_mut(3) {
             let signed = area(ear[0], ear[1], ear[2]);
@@ -54,13 +84,7 @@ impl Ears {
             }
             covered += signed.abs();
         }
-        let is_covered = (covered - whole).abs() <= POLYGON_AREA_TOLERANCE * whole.abs()
-            && put_back_skipped(&mut self.cut, count as u32);
-        if !is_covered {
-            return None;
-        }
-        self.refiner.refine(&mut self.cut, &self.plane);
-        Some(&self.cut)
+        (covered - whole).abs() <= POLYGON_AREA_TOLERANCE * whole.abs()
     }
 }
 

@@ -20,6 +20,7 @@
 
 use glam::Vec3;
 
+use super::super::images;
 use super::illumination::{Illumination, is_normal_map};
 use super::mtl::MtlFile;
 use super::reader::MtlMaterial;
@@ -86,13 +87,23 @@ impl Conversion<'_, '_> {
         self.textures.find(&Map::parse(statement?), self.mtl)
     }
 
+    /// Whether a statement names an image and this is not to be had.
+    fn is_lost(statement: Option<&str>, texture: Option<TextureRef>) -> bool {
+        texture.is_none() && statement.is_some_and(|s| !Map::parse(s).name.is_empty())
+    }
+
     fn note(&mut self, text: &str) {
         let element = format!("material {:?}", self.material.name);
         self.mtl.notes.element(element, text);
     }
 
     fn base_color(&mut self) {
-        let texture = self.texture(self.source.diffuse_texture.as_deref());
+        let statement = self.source.diffuse_texture.as_deref();
+        let texture = self.texture(statement);
+        if Self::is_lost(statement, texture) {
+            images::show_stand_in(&mut self.material, self.textures.stand_in(), 0);
+            return self.note(images::STAND_IN_NOTE);
+        }
         let kd = color_of(self.source.diffuse).unwrap_or(Vec3::ONE);
         let color = if kd == Vec3::ZERO && texture.is_some() {
             Vec3::ONE
@@ -243,7 +254,13 @@ impl Conversion<'_, '_> {
     }
 
     fn emission(&mut self) {
-        let texture = self.texture(self.source.unknown_param.get("map_Ke").map(String::as_str));
+        let params = &self.source.unknown_param;
+        let statement = params.get("map_Ke").map(String::as_str);
+        let texture = self.texture(statement);
+        if Self::is_lost(statement, texture) {
+            // The image says where the material emits: without it, all of it would be a light.
+            return;
+        }
         let ke = color_of(self.source.emissive).unwrap_or(Vec3::ZERO);
         self.material.emissive = match texture {
             Some(_) if ke == Vec3::ZERO => Vec3::ONE,

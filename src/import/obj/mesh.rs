@@ -24,7 +24,7 @@ impl Oddities {
     /// What is to be said of them.
     pub(super) fn notes(self) -> impl Iterator<Item = String> {
         let fanned = (self.fanned > 0).then(|| {
-            let text = "polygons that cross themselves, have no plane or very many corners are cut as fans from their first corner";
+            let text = "polygons that cross themselves or have no plane are cut as fans from their first corner";
             format!("{text}: {}", self.fanned)
         });
         let repeated = (self.repeated_corners > 0).then(|| {

@@ -1,24 +1,28 @@
 //! OBJ with MTL, through the crate `tobj`.
 //!
-//! `text` makes lines of bytes; `prepass` (with `attributes`, `faces`, `objects`, `numbers`, `pieces`) makes of those lines
-//! a text that `tobj` reads without loss; `reader` has `tobj` read it; `mesh`, `triangulate` and `ears` make meshes of the result.
+//! `text` makes lines of bytes; `prepass` (with `attributes`, `claims`, `faces`, `objects`, `numbers`, `pieces`) makes of those lines
+//! a text that `tobj` reads without loss; `reader` has `tobj` read it; `mesh`, `triangulate`, `ears`, `monotone` (with `outline` and `status`) make meshes of the result.
 //! `mtl` does for materials what `prepass` does for geometry, `materials` and `textures` convert them. Each of these says
 //! at its head what it takes for granted where the format is silent.
 
 mod attributes;
+mod claims;
 mod ears;
 mod faces;
 mod files;
 mod illumination;
 mod materials;
 mod mesh;
+mod monotone;
 mod mtl;
 mod notes;
 mod numbers;
 mod objects;
+mod outline;
 mod pieces;
 mod prepass;
 mod reader;
+mod status;
 mod text;
 mod textures;
 mod triangulate;

@@ -1,6 +1,6 @@
 //! A pass over the file's lines before `tobj` reads them.
 //!
-//! `tobj` 4.0.5 fails, panics or misplaces data on much that other programs write (tests/import_obj.rs has a case of
+//! `tobj` 4.0.5 fails, panics or misplaces data on much that other programs write (tests/import_obj has a case of
 //! each), and keeps neither line numbers nor the names of objects with groups. This pass gives it text without any of
 //! that, and keeps what it would lose. Clean lines are passed through as they are.
 //!
@@ -17,6 +17,7 @@ use std::path::Path;
 use super::super::ImportError;
 use super::super::budget::Budget;
 use super::attributes::Attributes;
+use super::claims::Claims;
 use super::faces::{self, Corner, Pads};
 use super::notes::Notes;
 use super::objects::{Given, Object, Objects, Presence};
@@ -59,10 +60,6 @@ const STATEMENT_BYTES: usize = 2048;
 /// Bytes that a character behind `mtllib` becomes: two may be the name of a file that is not there, with the note of it.
 const LIBRARY_BYTES: usize = 128;
 
-/// Bytes of a corner: its indices, its triangle, and its share of a vertex, which has 160 here and in `tobj`, and is used by
-/// three to six corners. Of a file where every corner is a vertex of its own it is less than half.
-const CORNER_BYTES: usize = 64;
-
 /// Bytes of a line that are charged before they are read, and not with its corners.
 const LONG_LINE: usize = 1 << 16;
 
@@ -79,6 +76,7 @@ pub(super) fn prepare<'a>(
     let mut pass = Pass {
         budget,
         claimed: 0,
+        claims: Claims::default(),
         notes,
         store: Store::new(source),
         attributes: Attributes::default(),
@@ -101,6 +99,7 @@ struct Pass<'a, 'n> {
     budget: &'n Budget,
     // Bytes that are not charged yet.
     claimed: usize,
+    claims: Claims,
     notes: &'n mut Notes,
     store: Store<'a>,
     attributes: Attributes,
@@ -136,8 +135,14 @@ impl<'a> Pass<'a, '_> {
             b"f" => self.face(rest, line, true)?,
             // "Face outline", the old word for the same.
             b"fo" => self.face(rest, line, false)?,
-            b"o" => self.objects.begin_object(decoded(rest).into_owned()),
-            b"g" => self.objects.begin_group(decoded(rest).into_owned()),
+            b"o" => {
+                self.claims.begin_object();
+                self.objects.begin_object(decoded(rest).into_owned());
+            }
+            b"g" => {
+                self.claims.begin_object();
+                self.objects.begin_group(decoded(rest).into_owned());
+            }
             b"usemtl" => self.use_material(rest, line.number),
             b"s" => self.smoothing_group(rest, line.number),
             b"mtllib" if !rest.is_empty() => self.libraries.push(Named {
@@ -239,7 +244,7 @@ impl<'a> Pass<'a, '_> {
             self.objects.drop_face(line.number);
             return Ok(());
         }
-        self.claimed += CORNER_BYTES * self.corners.len();
+        self.claimed += self.claims.face(&self.corners, counts.v);
         self.corner_count += self.corners.len() as u64;
         if self.corner_count > u64::from(u32::MAX) {
             let cause = "more than 4,294,967,295 face corners; split the file";

@@ -111,6 +111,7 @@ pub(super) struct Textures<'b> {
     pub(super) files: Vec<PathBuf>,
     image_of: HashMap<PathBuf, Result<u32, String>>,
     texture_of: HashMap<(u32, bool), u32>,
+    stand_in: Option<u32>,
 }
 
 impl<'b> Textures<'b> {
@@ -124,7 +125,15 @@ impl<'b> Textures<'b> {
             files: Vec::new(),
             image_of: HashMap::new(),
             texture_of: HashMap::new(),
+            stand_in: None,
         }
+    }
+
+    /// The texture that stands in for colours that cannot be had; it is made when first needed.
+    pub(super) fn stand_in(&mut self) -> u32 {
+        let (images, textures) = (&mut self.images, &mut self.textures);
+        let make = || images::add_stand_in(images, textures);
+        *self.stand_in.get_or_insert_with(make)
     }
 
     /// The texture that a statement of an MTL file names. `None`, and a note, if the file is not there or cannot be read.

@@ -5,9 +5,9 @@
 //! - corners that repeat the one before are skipped (exporters write triangles as quads so);
 //! - a quad is cut along the shorter diagonal that lies inside;
 //! - if the fan from the first corner turns the same way everywhere, it is right, and taken;
-//! - else ears are cut off (crate `earcut`) in the polygon's plane. It skips corners on straight lines, which are then put
-//!   back into the triangle beside them, and the triangles are made Delaunay: three corners on a line can be an ear too,
-//!   which only flipping its edge gets rid of;
+//! - else ears are cut off (crate `earcut`) in the polygon's plane, or, where there are many corners, a line sweeps over it
+//!   (`monotone`). Ears skip corners on straight lines, which are then put back into the triangle beside them, and the triangles
+//!   are made Delaunay: three corners on a line can be an ear too, which only flipping its edge gets rid of;
 //! - where that does not cover the polygon's area, because it crosses itself or has no plane, the fan is taken after all:
 //!   the format does not say what such a polygon looks like, and so nothing of it is lost.
 
@@ -29,7 +29,7 @@ pub(super) struct Triangulator {
 pub(super) enum Outcome {
     /// Its triangles cover it.
     Covered,
-    /// It crosses itself, has no plane or has very many corners; it became a fan.
+    /// It crosses itself or has no plane; it became a fan.
     Fanned,
 }
 
