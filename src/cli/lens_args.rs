@@ -72,7 +72,7 @@ impl LensArgs {
                     (Some(height), _) | (None, Projection::Orthographic { height }) => height,
                     _ => {
                         let distance = (camera.focal_point - camera.position).length();
-                        2.0 * distance * (angle.to_radians() / 2.0).tan()
+                        2.0 * distance * libm::tanf(angle.to_radians() / 2.0)
                     }
                 };
                 Projection::Orthographic { height }
@@ -152,12 +152,12 @@ mod tests {
         lens.aperture = Some(0.5);
         let distance = |lens: &LensArgs| {
             let lens = lens.add_to(frame, &camera()).lens().expect("a lens");
-            assert_eq!(lens.radius, 0.5);
+            assert!((lens.radius - 0.5).abs() < 1e-9);
             lens.focus_distance
         };
         assert!((distance(&lens) - 5.0).abs() < 1e-6);
         lens.focus_distance = Some(2.0);
-        assert_eq!(distance(&lens), 2.0);
+        assert!((distance(&lens) - 2.0).abs() < 1e-9);
         assert_eq!(lens.as_flags(), " --aperture 0.5 --focus-distance 2");
     }
 }

@@ -293,7 +293,7 @@ mod tests {
                     }
                 }
                 let features = at(x, y).feature_distance(at(x + dx, y + dy));
-                let w = (-(f32::max(distance / count, 0.0) + features)).exp();
+                let w = libm::expf(-(f32::max(distance / count, 0.0) + features));
                 sum += at(x + dx, y + dy).light * w;
                 weight += w;
             }

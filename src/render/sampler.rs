@@ -267,7 +267,7 @@ mod tests {
             assert!(ours[1] < 0.6 * white[1], "{samples}: {ours:?} {white:?}");
         }
         // Ended early, they are as good as independent ones.
-        let ours = errors(|x, y, s, seed| Sampler::new(x, y, s, seed), 16);
+        let ours = errors(Sampler::new, 16);
         let white = errors(
             |x, y, s, seed| Sampler::new(0, 0, s, of_pixel(x, y, seed)),
             16,

@@ -12,7 +12,7 @@ fn picture(folder: &Path, args: &[&str]) -> Picture {
     let first = ["render", &path, "-o", "a.exr", "--resolution=48x32"];
     let ran = bspray(folder, &[&first[..], args].concat());
     assert_eq!(ran.code, Some(0), "{ran:?}");
-    let mut picture = exr::read(&folder.join("a.exr")).unwrap();
+    let mut picture = exr::read(&folder.join("a.exr")).expect("an EXR file");
     picture.channels.retain(|c| !c.name.starts_with("cost."));
     picture
 }
