@@ -42,6 +42,11 @@ impl PixelRect {
         (y..y + height).flat_map(move |row| (x..x + width).map(move |column| (column, row)))
     }
 
+    /// The number of a pixel of the rectangle, in the order of [`PixelRect::pixels`].
+    pub(super) fn index(&self, x: u32, y: u32) -> usize {
+        ((y - self.y) * self.width + (x - self.x)) as usize
+    }
+
     /// The rectangle in squares with an edge of `size` pixels, row by row; those on the right and at the bottom may be smaller.
     pub(super) fn tiles(&self, size: u32) -> Vec<Self> {
         let mut tiles = Vec::new();

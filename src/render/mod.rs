@@ -27,6 +27,7 @@ mod surface;
 mod tangents;
 mod texel;
 mod texture;
+mod together;
 mod tracer;
 
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -54,6 +55,7 @@ pub use tracer::{Answer, Covered, RayCounts, RayKind, TracedRay, Tracer};
 
 use crate::scene::CameraFrame;
 use cryptomatte::{MatteIds, TileMattes};
+use together::{BLOCK, Begun, TOGETHER, Together};
 
 /// What to render, and how.
 #[derive(Clone, Copy, Debug)]
@@ -90,7 +92,7 @@ pub trait Observer: Sync {
     }
     /// Called after every tile, from any thread, with the number of samples it added.
     fn samples_done(&self, samples: u64);
-    /// Whether to end now, with the picture so far. Asked for every pixel.
+    /// Whether to end now, with the picture so far. Asked for every few pixels.
     fn should_stop(&self) -> bool;
 }
 
@@ -144,27 +146,33 @@ pub fn render(
         }
         let end = done + pass.max(1);
         film.tiles.par_iter_mut().for_each(|tile| {
-            let mut added = 0;
             let mut tracer = Tracer::new(stage.accelerator, options.counts_cost);
             tracer.covered = options.wants_layers.then(Vec::new);
-            for (index, ((x, y), sum)) in tile.rect.pixels().zip(&mut tile.sums).enumerate() {
-                let mut layers = tile.layers.get_mut(index);
-                for sample in done..end {
+            let mut together = Together::default();
+            let mut added = 0;
+            for block in tile.rect.tiles(BLOCK) {
+                for first in (done..end).step_by(TOGETHER as usize) {
                     if observer.should_stop() {
                         break;
                     }
-                    let sample = pixel.sample(&mut tracer, x, y, sample);
-                    sum.add(&sample);
-                    if let Some(layers) = &mut layers {
-                        layers.add(&sample, sum.samples);
+                    let samples = first..end.min(first + TOGETHER);
+                    together.trace(&pixel, &mut tracer, &block, samples);
+                    for ((x, y), begun) in together.begun() {
+                        let index = tile.rect.index(x, y);
+                        let sample = pixel.finish(&mut tracer, begun);
+                        let sum = &mut tile.sums[index];
+                        sum.add(&sample);
+                        if let Some(layers) = tile.layers.get_mut(index) {
+                            layers.add(&sample, sum.samples);
+                        }
+                        if let (Some(ids), Some(covered)) = (&ids, &mut tracer.covered) {
+                            tile.mattes.add(index, ids, covered, sample.alpha);
+                        }
+                        if let Some(cost) = &mut tracer.cost {
+                            sum.cost += std::mem::take(cost);
+                        }
+                        added += 1;
                     }
-                    if let (Some(ids), Some(covered)) = (&ids, &mut tracer.covered) {
-                        tile.mattes.add(index, ids, covered, sample.alpha);
-                    }
-                    added += 1;
-                }
-                if let Some(cost) = &mut tracer.cost {
-                    sum.cost += std::mem::take(cost);
                 }
             }
             tile.rays += tracer.rays;
@@ -192,6 +200,19 @@ pub struct PixelRenderer<'a> {
 impl PixelRenderer<'_> {
     /// One sample of a pixel.
     pub fn sample(&self, tracer: &mut Tracer, x: u32, y: u32, sample: u32) -> Sample {
+        let begun = self.begin(x, y, sample);
+        let hit = tracer.closest(&begun.ray, RayKind::Eye);
+        self.finish(
+            tracer,
+            Begun {
+                hit: Some(hit),
+                ..begun
+            },
+        )
+    }
+
+    /// The eye ray of a sample.
+    fn begin(&self, x: u32, y: u32, sample: u32) -> Begun {
         let options = self.options;
         let mut sampler = Sampler::among(x, y, sample, options.samples, options.seed);
         let (dx, dy) = options.filter.sample(sampler.next_2d());
@@ -201,8 +222,27 @@ impl PixelRenderer<'_> {
         } else {
             self.camera.ray(column, row, Some((x, y)))
         };
-        let cone = self.cone();
-        (options.integrator).sample(self.stage, tracer, ray, cone, &mut sampler)
+        Begun {
+            ray,
+            hit: None,
+            sampler,
+        }
+    }
+
+    /// What the eye sees along a ray that was begun.
+    fn finish(&self, tracer: &mut Tracer, mut begun: Begun) -> Sample {
+        let ray = begun.ray;
+        let hit = begun
+            .hit
+            .unwrap_or_else(|| tracer.closest(&ray, RayKind::Eye));
+        let integrator = self.options.integrator;
+        integrator.sample(
+            self.stage,
+            tracer,
+            (ray, hit),
+            self.cone(),
+            &mut begun.sampler,
+        )
     }
 
     /// The cone of a sample. The samples of a pixel share it, so each stands for less than the whole; how much less is bounded, since

@@ -149,6 +149,23 @@ impl<'a> Tracer<'a> {
         hit
     }
 
+    /// The nearest hits of rays of one kind, together; `None` where each has to be traced by itself, since it is counted or recorded.
+    pub(super) fn closest_together(
+        &mut self,
+        rays: &[Ray],
+        hits: &mut Vec<Option<Hit>>,
+        kind: RayKind,
+    ) -> Option<()> {
+        if self.cost.is_some() || self.record.is_some() {
+            return None;
+        }
+        hits.clear();
+        hits.resize(rays.len(), None);
+        self.accelerator.closest_hits(rays, hits);
+        *self.count(kind) += rays.len() as u64;
+        Some(())
+    }
+
     /// Whether anything is hit.
     pub fn any(&mut self, ray: &Ray, kind: RayKind) -> bool {
         let hit = match &mut self.cost {
@@ -159,15 +176,19 @@ impl<'a> Tracer<'a> {
         hit
     }
 
-    fn note(&mut self, ray: &Ray, kind: RayKind, answer: Answer) {
-        *match kind {
+    fn count(&mut self, kind: RayKind) -> &mut u64 {
+        match kind {
             RayKind::Eye => &mut self.rays.eye,
             RayKind::Shadow => &mut self.rays.shadow,
             RayKind::Ambient => &mut self.rays.ambient,
             RayKind::Reflection => &mut self.rays.reflection,
             RayKind::Refraction => &mut self.rays.refraction,
             RayKind::Diffuse => &mut self.rays.diffuse,
-        } += 1;
+        }
+    }
+
+    fn note(&mut self, ray: &Ray, kind: RayKind, answer: Answer) {
+        *self.count(kind) += 1;
         if let Some(record) = &mut self.record {
             record.push(TracedRay {
                 kind,

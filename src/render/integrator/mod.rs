@@ -19,6 +19,7 @@ use super::sampler::Sampler;
 use super::stage::Stage;
 use super::surface::{MaterialPoint, Surface};
 use super::tracer::{RayKind, Tracer};
+use crate::accel::Hit;
 use crate::geometry::Ray;
 
 /// How colours come about.
@@ -174,19 +175,18 @@ impl Integrator {
         matches!(self, Self::Fragment | Self::BspDepth)
     }
 
-    /// What the eye sees along a ray with a cone. Surfaces with alpha are laid over one another, front to back.
+    /// What the eye sees along a ray, of which the first hit is known, with a cone. Surfaces with alpha are laid over one another, front to back.
     pub fn sample(
         &self,
         stage: &Stage,
         tracer: &mut Tracer,
-        ray: Ray,
+        (mut ray, mut first): (Ray, Option<Hit>),
         cone: RayCone,
         sampler: &mut Sampler,
     ) -> Sample {
         let mut sample = Sample::default();
-        let mut ray = ray;
         for _ in 0..MOST_LAYERS {
-            let Some(hit) = tracer.closest(&ray, RayKind::Eye) else {
+            let Some(hit) = first else {
                 sample.backdrop = self.backdrop(stage, &ray) * (1.0 - sample.alpha);
                 return sample;
             };
@@ -202,6 +202,7 @@ impl Integrator {
                 break;
             }
             ray = ray.behind(hit.t, (hit.instance, hit.triangle));
+            first = tracer.closest(&ray, RayKind::Eye);
         }
         sample.alpha = 1.0;
         sample
