@@ -11,8 +11,8 @@ use bspray::accel::extents::{ExtentSet, ExtentsLoop, View};
 use bspray::accel::{Accelerator, AcceleratorKind, BuildOptions};
 use bspray::import;
 use bspray::render::{
-    CameraWishes, Integrator, PixelFilter, PixelRect, RenderOptions, SkyMode, Stage, frame_scene,
-    render,
+    CameraWishes, Integrator, LightSearch, PixelFilter, PixelRect, RenderOptions, SkyMode, Stage,
+    frame_scene, render,
 };
 use bspray::scene::Scene;
 use glam::Vec3;
@@ -191,12 +191,25 @@ fn check_scene(file: &str, scene: &Scene, listed: Listed) -> Vec<String> {
             complaints.push(format!("mesh {:?}: {error}", mesh.name));
         }
     }
-    complaints.extend(check_picture(scene));
+    for integrator in LIT {
+        let of = |complaint| format!("{}: {complaint}", integrator.name());
+        complaints.extend(check_picture(scene, integrator).into_iter().map(of));
+    }
     complaints
 }
 
-/// Renders 16 x 16 pixels from a camera that sees everything, and from each of the file's.
-fn check_picture(scene: &Scene) -> Vec<String> {
+/// The integrators that compute light.
+const LIT: [Integrator; 3] = [
+    Integrator::Direct,
+    Integrator::Whitted { max_depth: 8 },
+    Integrator::Path {
+        max_depth: 8,
+        search: LightSearch::Both,
+    },
+];
+
+/// Renders 16 x 16 pixels from a camera that sees everything, and from each of the file's: no number is infinite, negative or none at all.
+fn check_picture(scene: &Scene, integrator: Integrator) -> Vec<String> {
     let size = (16, 16);
     let accelerator = AcceleratorKind::Bvh2.build(scene);
     let stage = Stage::new(scene, &*accelerator, Vec3::Y, SkyMode::Auto);
@@ -208,9 +221,9 @@ fn check_picture(scene: &Scene) -> Vec<String> {
             width: size.0,
             height: size.1,
         },
-        samples: 1,
+        samples: 4,
         seed: 0,
-        integrator: Integrator::Direct,
+        integrator,
         filter: PixelFilter::Box,
         counts_cost: false,
         wants_layers: true,
@@ -228,12 +241,20 @@ fn check_picture(scene: &Scene) -> Vec<String> {
             let (sum, first) = (pixel.sum, pixel.first);
             let numbers =
                 [sum.color, sum.backdrop].map(|c| c.is_finite() && c.min_element() >= 0.0);
+            let mean = pixel.mean();
+            let shares = [mean.diffuse_albedo, mean.specular_albedo];
             let is_sound = numbers == [true, true]
-                && (0.0..=1.0).contains(&sum.alpha)
+                && shares
+                    .iter()
+                    .all(|s| s.min_element() >= 0.0 && s.max_element() < 1.01)
+                && mean.direct.is_finite()
+                && mean.indirect.is_finite()
+                && mean.normal.length() < 1.0001
+                && (0.0..=1.0).contains(&mean.alpha)
                 && first.is_none_or(|f| {
                     f.position.is_finite() && f.depth > 0.0 && f.shading_normal.is_normalized()
                 });
-            let complaint = (!is_sound).then(|| format!("camera {index}: {sum:?} {first:?}"));
+            let complaint = (!is_sound).then(|| format!("camera {index}: {mean:?} {first:?}"));
             (sum.alpha > 0.0, complaint)
         });
         let covered = pixels.iter().filter(|(is_covered, _)| *is_covered).count();
