@@ -75,6 +75,13 @@ fn tilted(points: &[[f64; 2]]) -> String {
 
 /// Whether the triangles of a [`tilted`] polygon cover it, with as many as there must be and no note.
 fn is_covered(scene: &Scene, points: &[[f64; 2]]) -> bool {
+    is_area_covered(scene, points)
+        && scene.placed_triangles() == points.len() as u64 - 2
+        && scene.notes.is_empty()
+}
+
+/// Whether the triangles of a [`tilted`] polygon have its area.
+fn is_area_covered(scene: &Scene, points: &[[f64; 2]]) -> bool {
     let cross = |a: [f64; 2], b: [f64; 2]| a[0] * b[1] - a[1] * b[0];
     let around = points.iter().cycle().skip(1);
     let twice: f64 = points.iter().zip(around).map(|(&a, &b)| cross(a, b)).sum();
@@ -87,8 +94,6 @@ fn is_covered(scene: &Scene, points: &[[f64; 2]]) -> bool {
     };
     let covered: f64 = (0..mesh.triangles.len() as u32).map(area).sum();
     (covered - expected).abs() < 1e-4 * expected
-        && scene.placed_triangles() == points.len() as u64 - 2
-        && scene.notes.is_empty()
 }
 
 #[test]
@@ -108,11 +113,7 @@ fn combs_of_100_000_corners_take_seconds_at_most() {
         .into_iter()
         .chain(teeth)
         .collect();
-    // To make all of its triangles less thin would take 20 s.
-    let bowl: Vec<[f64; 2]> = (-half..half)
-        .map(|i| [f64::from(i) * f64::from(i) / 1e5, f64::from(-i)])
-        .collect();
-    for (name, points) in [("zigzag", zigzag), ("comb", comb), ("bowl", bowl)] {
+    for (name, points) in [("zigzag", zigzag), ("comb", comb)] {
         let text = tilted(&points);
         let start = Instant::now();
         let scene = load(text).unwrap();
@@ -124,6 +125,33 @@ fn combs_of_100_000_corners_take_seconds_at_most() {
         assert_eq!(scene.defects, [], "{name}");
         assert!(is_covered(&scene, &points), "{name}: {:?}", notes(&scene));
     }
+}
+
+#[test]
+fn triangles_are_made_less_thin_in_bounded_time() {
+    // Between two curves that bend towards one another: each polygon would take 13 s.
+    let half = 50_000;
+    let curve = |sign: f64| {
+        (-half / 2..half / 2).map(move |i| {
+            let x = f64::from(i);
+            [x, sign * (1.0 + x * x / 5e4)]
+        })
+    };
+    let waist: Vec<[f64; 2]> = curve(-1.0).chain(curve(1.0).rev()).collect();
+    let one = tilted(&waist);
+    let (vertices, face) = one.split_at(one.find('f').unwrap());
+    let text = format!("{vertices}{}", face.repeat(4));
+    let start = Instant::now();
+    let scene = load(text).unwrap();
+    assert!(
+        start.elapsed() < Duration::from_secs(30),
+        "{:?}",
+        start.elapsed()
+    );
+    // Corners are so near to lines that, rounded, some triangles have no area. All the area is there, four times.
+    assert!(notes(&scene).is_empty(), "{:?}", notes(&scene));
+    let two: Vec<[f64; 2]> = waist.iter().map(|p| p.map(|c| 2.0 * c)).collect();
+    assert!(is_area_covered(&scene, &two));
 }
 
 #[test]

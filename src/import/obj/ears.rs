@@ -14,9 +14,12 @@ const FEW_CORNERS: usize = 64;
 /// polygons are fanned, and noted.
 const MOST_EARS: usize = 1 << 25;
 
-/// Most triangles that are made less thin at once. The time may grow with the square of their number: 2 ns for each were measured at
-/// worst (parabolas of 10,000 and 100,000 corners), which is 2 us a corner with this. Those of larger polygons stay thin across the
-/// borders of such groups.
+/// Most work for making the triangles of large polygons of a file less thin, in the same measure. 2 ns for each were measured at worst
+/// (parabolas of 10,000 and 100,000 corners), and so 17 s for all; a polygon of 90,000 corners is within. Beyond, it is done in groups.
+const MOST_FLIPS: usize = 1 << 33;
+
+/// Triangles of a group: 2 us a corner at worst. Those of polygons with more stay thin across the borders of their groups, and may have
+/// no area where many corners are nearly on a line.
 const FLIPPED_AT_ONCE: usize = 1024;
 
 /// Cuts polygons, reusing its memory.
@@ -26,6 +29,7 @@ pub(super) struct Ears {
     refiner: earcut::Refiner,
     cut: Vec<u32>,
     ears_left: usize,
+    flips_left: usize,
 }
 
 impl Default for Ears {
@@ -36,6 +40,7 @@ impl Default for Ears {
             refiner: earcut::Refiner::default(),
             cut: Vec::new(),
             ears_left: MOST_EARS,
+            flips_left: MOST_FLIPS,
         }
     }
 }
@@ -45,6 +50,7 @@ impl Ears {
     /// `None` if they do not cover the polygon.
     pub(super) fn cut(&mut self, points: &[[f64; 3]]) -> Option<&[u32]> {
         let count = points.len();
+        let work = count.saturating_mul(count);
         if !earcut::utils3d::project3d_to_2d(points, count, &mut self.plane) {
             return None;
         }
@@ -53,15 +59,24 @@ impl Ears {
             && self.covers();
         if !is_swept {
             if count > FEW_CORNERS {
-                let left = self.ears_left.checked_sub(count.saturating_mul(count));
-                self.ears_left = left?;
+                self.ears_left = self.ears_left.checked_sub(work)?;
             }
             self.earcut.earcut_slice(&self.plane, &[], &mut self.cut);
             if !self.covers() || !put_back_skipped(&mut self.cut, count as u32) {
                 return None;
             }
         }
-        for group in self.cut.chunks_mut(3 * FLIPPED_AT_ONCE) {
+        let flips_left = match count > FLIPPED_AT_ONCE {
+            true => self.flips_left.checked_sub(work),
+            false => Some(self.flips_left),
+        };
+        self.flips_left = flips_left.unwrap_or(self.flips_left);
+        let at_once = if flips_left.is_some() {
+            count
+        } else {
+            FLIPPED_AT_ONCE
+        };
+        for group in self.cut.chunks_mut(3 * at_once) {
             self.refiner.refine(group, &self.plane);
         }
         Some(&self.cut)
