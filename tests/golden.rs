@@ -16,6 +16,7 @@ struct Golden {
     /// Of the reference, without its extension.
     name: &'static str,
     model: &'static str,
+    camera: &'static [&'static str; 4],
     /// Arguments beside those of all.
     args: &'static [&'static str],
     /// Layers of the reference; empty for all but `cost`.
@@ -47,141 +48,92 @@ const BLOCK: [&str; 4] = [
     "--camera-view-angle=30",
 ];
 
+const BOX: [&str; 4] = [
+    "--camera-position=278,273,-800",
+    "--camera-focal-point=278,273,0",
+    "--camera-view-up=0,1,0",
+    "--camera-view-angle=39.3",
+];
+
 const GOLDEN: [Golden; 12] = [
     Golden {
         name: "lecture-block",
         model: "lecture-block.obj",
-        args: &[
-            BLOCK[0],
-            BLOCK[1],
-            BLOCK[2],
-            BLOCK[3],
-            "--integrator=direct",
-        ],
+        camera: &BLOCK,
+        args: &["--integrator=direct"],
         layers: &[],
     },
     Golden {
         name: "lecture-objects",
         model: "lecture-objects.gltf",
-        args: &[
-            OBJECTS[0],
-            OBJECTS[1],
-            OBJECTS[2],
-            OBJECTS[3],
-            "--integrator=direct",
-        ],
+        camera: &OBJECTS,
+        args: &["--integrator=direct"],
         layers: &[],
     },
     Golden {
         name: "lecture-objects-path",
         model: "lecture-objects.gltf",
-        args: &[
-            OBJECTS[0],
-            OBJECTS[1],
-            OBJECTS[2],
-            OBJECTS[3],
-            "--integrator=path",
-        ],
+        camera: &OBJECTS,
+        args: &["--integrator=path"],
         layers: &COLOR,
     },
     Golden {
         name: "lecture-objects-whitted",
         model: "lecture-objects.gltf",
-        args: &[
-            OBJECTS[0],
-            OBJECTS[1],
-            OBJECTS[2],
-            OBJECTS[3],
-            "--integrator=whitted",
-        ],
+        camera: &OBJECTS,
+        args: &["--integrator=whitted"],
         layers: &COLOR,
     },
     Golden {
         name: "cornell-box",
         model: "cornell-box.obj",
-        args: &[
-            "--camera-position=278,273,-800",
-            "--camera-focal-point=278,273,0",
-            "--camera-view-up=0,1,0",
-            "--camera-view-angle=39.3",
-            "--integrator=direct",
-        ],
+        camera: &BOX,
+        args: &["--integrator=direct"],
         layers: &[],
     },
     Golden {
         name: "lecture-objects-ao",
         model: "lecture-objects.gltf",
-        args: &[
-            OBJECTS[0],
-            OBJECTS[1],
-            OBJECTS[2],
-            OBJECTS[3],
-            "--integrator=ao",
-            "--ao-distance=2",
-        ],
+        camera: &OBJECTS,
+        args: &["--integrator=ao", "--ao-distance=2"],
         layers: &COLOR,
     },
     Golden {
         name: "lecture-objects-normals",
         model: "lecture-objects.gltf",
-        args: &[
-            OBJECTS[0],
-            OBJECTS[1],
-            OBJECTS[2],
-            OBJECTS[3],
-            "--integrator=normals",
-        ],
+        camera: &OBJECTS,
+        args: &["--integrator=normals"],
         layers: &COLOR,
     },
     Golden {
         name: "lecture-objects-facing",
         model: "lecture-objects.gltf",
-        args: &[
-            OBJECTS[0],
-            OBJECTS[1],
-            OBJECTS[2],
-            OBJECTS[3],
-            "--integrator=facing",
-        ],
+        camera: &OBJECTS,
+        args: &["--integrator=facing"],
         layers: &COLOR,
     },
     Golden {
         name: "lecture-block-fragment",
         model: "lecture-block.obj",
-        args: &[
-            BLOCK[0],
-            BLOCK[1],
-            BLOCK[2],
-            BLOCK[3],
-            "--integrator=fragment",
-            "--bsp-order=file",
-        ],
+        camera: &BLOCK,
+        args: &["--integrator=fragment", "--bsp-order=file"],
         layers: &PARTITION,
     },
     Golden {
         name: "lecture-objects-bsp-depth",
         model: "lecture-objects.gltf",
-        args: &[
-            OBJECTS[0],
-            OBJECTS[1],
-            OBJECTS[2],
-            OBJECTS[3],
-            "--integrator=bsp-depth",
-            "--bsp-merge",
-        ],
+        camera: &OBJECTS,
+        args: &["--integrator=bsp-depth", "--bsp-merge"],
         layers: &PARTITION,
     },
     // A part with a name, with outlines of all kinds, and of the legend.
     Golden {
         name: "lecture-objects-overlay-extents",
         model: "lecture-objects.gltf",
+        camera: &OBJECTS,
         args: &[
-            OBJECTS[0],
-            OBJECTS[1],
-            OBJECTS[2],
-            OBJECTS[3],
             "--resolution=400x300",
-            "--pixelbounds=30,170,130,290",
+            "--pixelbounds=30, 170, 130, 290",
             "--overlay=extents",
         ],
         layers: &["overlay"],
@@ -189,13 +141,10 @@ const GOLDEN: [Golden; 12] = [
     Golden {
         name: "lecture-objects-overlay-edges",
         model: "lecture-objects.gltf",
+        camera: &OBJECTS,
         args: &[
-            OBJECTS[0],
-            OBJECTS[1],
-            OBJECTS[2],
-            OBJECTS[3],
             "--resolution=400x300",
-            "--pixelbounds=150,270,90,210",
+            "--pixelbounds=150, 270, 90, 210",
             "--overlay=edges",
         ],
         layers: &["overlay"],
@@ -214,6 +163,7 @@ impl Golden {
         resolution
             .into_iter()
             .chain(ARGS)
+            .chain(self.camera.iter().copied())
             .chain(self.args.iter().copied())
             .collect()
     }

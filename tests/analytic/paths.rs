@@ -2,15 +2,12 @@
 
 use std::f64::consts::PI;
 
-use bspray::accel::AcceleratorKind;
-use bspray::render::{
-    Integrator, LightSearch, PixelRenderer, RenderOptions, SkyMode, Stage, Tracer,
-};
+use bspray::render::{Integrator, LightSearch, SkyMode};
 use bspray::scene::{Material, Part, Scene, Specular, Transmission, TriangleMesh, Volume};
 use glam::{DVec3, Vec3};
 
-use super::scenes::{level, options, scene};
-use super::setup::{assert_sampled, down, matt};
+use super::scenes::{level, scene};
+use super::setup::{assert_sampled, down, matt, parallel, sampled_by};
 
 /// Mean and standard error of the samples of a picture's one pixel under path tracing.
 fn traced(scene: &Scene, max_depth: u32, samples: u32) -> (DVec3, DVec3) {
@@ -19,28 +16,7 @@ fn traced(scene: &Scene, max_depth: u32, samples: u32) -> (DVec3, DVec3) {
 
 fn traced_by(search: LightSearch, scene: &Scene, max_depth: u32, samples: u32) -> (DVec3, DVec3) {
     let path = Integrator::Path { max_depth, search };
-    let options = RenderOptions {
-        seed: 5,
-        ..options((1, 1), samples, path)
-    };
-    let accelerator = AcceleratorKind::Bvh2.build(scene);
-    let stage = Stage::new(scene, &*accelerator, Vec3::Y, SkyMode::Off);
-    let pixel = PixelRenderer {
-        stage: &stage,
-        camera: &scene.cameras[0].frame(1, 1).expect("a camera"),
-        options: &options,
-    };
-    let mut tracer = Tracer::new(&*accelerator, false);
-    let (mut sum, mut squares) = (DVec3::ZERO, DVec3::ZERO);
-    for sample in 0..samples {
-        let color = pixel.sample(&mut tracer, 0, 0, sample).color.as_dvec3();
-        sum += color;
-        squares += color * color;
-    }
-    let count = f64::from(samples);
-    let mean = sum / count;
-    let variance = (squares / count - mean * mean).max(DVec3::ZERO) / count;
-    (mean, DVec3::from_array(variance.to_array().map(f64::sqrt)))
+    sampled_by(path, scene, SkyMode::Off, samples)
 }
 
 /// Without the reflection that a dielectric has by its index of refraction.
@@ -60,6 +36,25 @@ fn glowing(radiance: Vec3) -> Material {
     Material {
         emissive: radiance,
         ..lambert(Vec3::ZERO)
+    }
+}
+
+/// Smooth solid glass that leaves `color` of white light after `distance` model units.
+fn glass(distance: f32, color: Vec3) -> Material {
+    Material {
+        roughness: 0.0,
+        ior: 1.5,
+        transmission: Some(Transmission {
+            factor: 1.0,
+            texture: None,
+        }),
+        volume: Some(Volume {
+            thickness: 1.0,
+            thickness_texture: None,
+            attenuation_distance: distance,
+            attenuation_color: color,
+        }),
+        ..matt(Vec3::ONE)
     }
 }
 
@@ -145,21 +140,7 @@ fn a_small_emitter_lights_by_its_form_factor() {
 /// passes.
 #[test]
 fn a_slab_of_glass_passes_what_fresnel_says() {
-    let glass = Material {
-        roughness: 0.0,
-        ior: 1.5,
-        transmission: Some(Transmission {
-            factor: 1.0,
-            texture: None,
-        }),
-        volume: Some(Volume {
-            thickness: 1.0,
-            thickness_texture: None,
-            attenuation_distance: 0.5,
-            attenuation_color: Vec3::new(0.5, 0.25, 1.0),
-        }),
-        ..matt(Vec3::ONE)
-    };
+    let glass = glass(0.5, Vec3::new(0.5, 0.25, 1.0));
     let wall = DVec3::new(2.0, 4.0, 6.0);
     let slab = cube(Vec3::new(4.0, 0.125, 4.0));
     let ground = level(-3.0, [-90.0, 90.0], [-90.0, 90.0]);
@@ -176,21 +157,7 @@ fn a_slab_of_glass_passes_what_fresnel_says() {
 /// Looked at slantwise, the ray leaves the slab as it came, moved aside by what Snell says: half of what is seen is of another colour.
 #[test]
 fn a_slab_moves_rays_aside_by_snells_law() {
-    let glass = Material {
-        roughness: 0.0,
-        ior: 1.5,
-        transmission: Some(Transmission {
-            factor: 1.0,
-            texture: None,
-        }),
-        volume: Some(Volume {
-            thickness: 1.0,
-            thickness_texture: None,
-            attenuation_distance: f32::INFINITY,
-            attenuation_color: Vec3::ONE,
-        }),
-        ..matt(Vec3::ONE)
-    };
+    let glass = glass(f32::INFINITY, Vec3::ONE);
     // Sine 0.6 outside, 0.4 inside; the slab is 0.5 thick.
     let (sine, inner) = (0.6_f64, 0.4_f64);
     let tangent = |s: f64| s / (1.0 - s * s).sqrt();
@@ -207,12 +174,9 @@ fn a_slab_moves_rays_aside_by_snells_law() {
         ]);
         let start = Vec3::new(offset, 0.25, 0.0);
         let direction = Vec3::new(sine as f32, -0.8, 0.0);
-        scene.cameras.push(super::setup::parallel(
-            start - direction,
-            start,
-            Vec3::Z,
-            1e-5,
-        ));
+        scene
+            .cameras
+            .push(parallel(start - direction, start, Vec3::Z, 1e-5));
         let (mean, _) = traced(&scene, 64, 256);
         assert!(
             if is_near {
@@ -245,7 +209,7 @@ fn all_ways_to_find_lights_agree() {
             glowing(Vec3::new(0.5, 1.0, 2.0)),
         ),
     ]);
-    scene.cameras.push(super::setup::parallel(
+    scene.cameras.push(parallel(
         Vec3::new(-2.0, 1.0, 0.25),
         Vec3::ZERO,
         Vec3::Y,

@@ -63,11 +63,21 @@ pub(crate) fn plate() -> (TriangleMesh, Material) {
     (level(0.0, [-7.0, 9.0], [-8.0, 6.0]), matt(COLOR))
 }
 
-/// Mean and standard error of the samples of a picture's one pixel.
+/// Mean and standard error of the samples of a picture's one pixel under direct light.
 pub(crate) fn sampled(scene: &Scene, sky: SkyMode, samples: u32) -> (DVec3, DVec3) {
+    sampled_by(Integrator::Direct, scene, sky, samples)
+}
+
+/// The same under any integrator.
+pub(crate) fn sampled_by(
+    integrator: Integrator,
+    scene: &Scene,
+    sky: SkyMode,
+    samples: u32,
+) -> (DVec3, DVec3) {
     let options = RenderOptions {
         seed: 3,
-        ..options((1, 1), samples, Integrator::Direct)
+        ..options((1, 1), samples, integrator)
     };
     let accelerator = AcceleratorKind::Bvh2.build(scene);
     let stage = Stage::new(scene, &*accelerator, Vec3::Y, sky);
