@@ -7,5 +7,7 @@
 )]
 
 mod materials;
+#[path = "../support/obj_files.rs"]
+mod obj_files;
 mod setup;
 mod textures;

@@ -9,6 +9,8 @@
 )]
 
 mod meshes;
+#[path = "../support/obj_files.rs"]
+mod obj_files;
 mod polygons;
 mod setup;
 mod texts;
