@@ -158,9 +158,17 @@ pub fn load_with(files: &[PathBuf], options: &ImportOptions) -> Result<Scene, Im
     for file in files {
         let (read, used_with_it) = load_file(file, options, limit, used)?;
         used = used_with_it;
+        // A file may bring light or a view to the models of the others.
+        let brings_more = !read.scene.lights.is_empty() || !read.scene.cameras.is_empty();
+        if files.len() == 1 || !brings_more || !read.scene.defects.is_empty() {
+            check_not_empty(file, &read.scene)?;
+        }
         has_animations |= read.has_animations;
         has_variants |= read.has_variants;
         scene.append(read.scene);
+    }
+    if let Some(file) = files.first() {
+        check_not_empty(file, &scene)?;
     }
     let moment = options.moment.filter(|_| !has_animations);
     let animation = moment.map(|m| format!("animation {}", m.animation));
@@ -235,9 +243,7 @@ fn load_file(
         }
         return Err(out_of_memory(refusal));
     }
-    let read = read?;
-    check_not_empty(file, &read.scene)?;
-    Ok((read, budget.used()))
+    Ok((read?, budget.used()))
 }
 
 fn load_bytes(

@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use bspray::import;
 use glam::Vec3;
 use serde_json::json;
 
@@ -279,5 +280,36 @@ fn the_malformed_models_say_what_is_wrong() {
         assert!(file.is_file(), "{name}");
         let error = bspray::import::load(&[file]).expect_err(name).to_string();
         assert!(error.contains(words) && error.contains(name), "{error}");
+    }
+}
+
+#[test]
+fn a_file_may_bring_lights_alone_to_the_models_of_others() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let lights = json!({
+        "asset": { "version": "2.0" },
+        "extensionsUsed": ["KHR_lights_punctual"],
+        "extensions": { "KHR_lights_punctual": { "lights": [{ "type": "point", "intensity": 7 }] } },
+        "nodes": [{ "translation": [1, 2, 3], "extensions": { "KHR_lights_punctual": { "light": 0 } } }],
+        "scenes": [{ "nodes": [0] }], "scene": 0
+    });
+    let [lit, model, empty] =
+        ["lights.gltf", "model.glb", "empty.gltf"].map(|name| folder.path().join(name));
+    std::fs::write(&lit, lights.to_string()).expect("written");
+    std::fs::write(&model, triangle_glb()).expect("written");
+    std::fs::write(&empty, r#"{"asset":{"version":"2.0"}}"#).expect("written");
+    for files in [[&lit, &model], [&model, &lit]] {
+        let scene = import::load(&files.map(Clone::clone)).expect("loads");
+        assert_eq!((scene.lights.len(), scene.placed_triangles()), (1, 1));
+    }
+    for (files, at_fault) in [
+        (vec![&lit], &lit),
+        (vec![&model, &empty], &empty),
+        (vec![&lit, &lit], &lit),
+    ] {
+        let files: Vec<_> = files.into_iter().cloned().collect();
+        let error = import::load(&files).expect_err("no triangles").to_string();
+        assert!(error.starts_with(&*at_fault.to_string_lossy()), "{error}");
+        assert!(error.contains("nothing to render: no triangles"), "{error}");
     }
 }
