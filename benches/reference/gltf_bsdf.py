@@ -40,14 +40,14 @@ def use(model):
 
 
 def albedo_table(side=64, n=4096):
-    """By cosine (columns) and roughness (rows): what white mirrors reflect in all, and the share of it that Schlick's (1 - V.H)^5 weighs."""
+    """By cosine (columns) and roughness (rows), both from 0 to 1: what white mirrors reflect in all, and the share of it that Schlick's (1 - V.H)^5 weighs."""
     i = np.arange(n) + 0.5
     u, v = i / n, (i * 0.6180339887498949) % 1
     table = np.zeros((side, side, 2), np.float32)
     for row in range(side):
-        alpha = max(((row + 0.5) / side) ** 2, LEAST_ALPHA)
+        alpha = max((row / (side - 1)) ** 2, LEAST_ALPHA)
         for column in range(side):
-            z = (column + 0.5) / side
+            z = max(column / (side - 1), 1e-3)
             o = np.array([np.sqrt(1 - z * z), 0, z])
             s = o * [alpha, alpha, 1]
             s /= np.linalg.norm(s)
@@ -181,7 +181,8 @@ class Gltf(mi.BSDF):
         p.f0 = ((m.ior - 1) / (m.ior + 1)) ** 2 * m.f0_factor
         p.f90 = 1.0 if m.f0_factor > 0 else 0.0
         if MODEL is Model.CONSERVING:
-            p.e = TABLE[0].eval(mi.Point2f(p.lobe.o.z, dr.sqrt(alpha)))
+            side = TABLE[0].shape[0]
+            p.e = TABLE[0].eval((mi.Point2f(p.lobe.o.z, dr.sqrt(alpha)) * (side - 1) + 0.5) / side)
         p.coat = None
         p.above = 1.0
         if m.coat > 0:

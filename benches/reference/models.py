@@ -53,6 +53,7 @@ class Material:
     alpha_mode: str = "OPAQUE"
     cutoff: float = 0.5
     unlit: bool = False
+    double_sided: bool = True
     ior: float = 1.5
     transmission: float = 0.0
     is_solid: bool = False
@@ -153,6 +154,7 @@ class Gltf:
             normal_scale=m.get("normalTexture", {}).get("scale", 1.0),
             alpha_mode=m.get("alphaMode", "OPAQUE"),
             cutoff=m.get("alphaCutoff", 0.5),
+            double_sided=m.get("doubleSided", False),
             unlit="KHR_materials_unlit" in extensions,
             ior=factor("KHR_materials_ior", "ior", 1.5),
             transmission=factor("KHR_materials_transmission", "transmissionFactor", 0.0),
@@ -268,7 +270,7 @@ def made_tangents(p, uv):
 
 def read_obj(path):
     """Polygons as fans; Kd, Ks of zero, Ke, and Ka above 1 as a light, as bspray has it (src/import/obj/materials.rs)."""
-    materials, names = [Material(base_color=(0.65, 0.65, 0.65, 1.0), f0_factor=0.0)], {}
+    materials, names = [Material(base_color=(0.65, 0.65, 0.65, 1.0))], {}
     points, normals, parts = [], [], {}
     current = 0
     for line in path.read_text(errors="replace").splitlines():
