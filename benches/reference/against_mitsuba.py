@@ -44,6 +44,7 @@ def arguments():
     p.add_argument("--out", type=Path, default=Path("/tmp/ref"))
     p.add_argument("--light", choices=["white", "map", "own"], default="white")
     p.add_argument("--model", choices=["specification", "conserving", "principled"], default="specification")
+    p.add_argument("--terminator", action="store_true", help="give the reference bspray's softening of shadow terminators")
     p.add_argument("--spp", type=int, default=256)
     p.add_argument("--more", type=int, default=2, help="Mitsuba gets so many times the samples, beyond those that are timed")
     p.add_argument("--camera", nargs=argparse.REMAINDER, default=[], help="flags for bspray's camera; last")
@@ -209,6 +210,7 @@ def back_of(p, size):
 def theirs(a, path, camera):
     gltf_bsdf.MATERIALS.clear()
     gltf_bsdf.use(gltf_bsdf.Model.CONSERVING if a.model == "conserving" else gltf_bsdf.Model.SPECIFICATION)
+    gltf_bsdf.HAS_TERMINATOR = a.terminator
     parts, materials = models.read(path)
     for m in materials:
         m.vertex_color = False
@@ -259,7 +261,7 @@ def display(linear, exposure):
 
 def compare(a, path):
     path = Path(path)
-    name = f"{path.stem}-{a.light}-{a.model}"
+    name = f"{path.stem}-{a.light}-{a.model}" + ("-terminator" if a.terminator else "")
     map_file = a.out / "map.exr"
     if not map_file.exists():
         mi.Bitmap(light_map()).write(str(map_file))
@@ -275,7 +277,7 @@ def compare(a, path):
     ratio = mine[is_model].mean() / reference[is_model].mean()
     bad = int((~np.isfinite(reference)).sum())
     render = report.get("seconds", {}).get("render", seconds)
-    print(f"| {path.stem} | {a.light} | {a.model} | {mean:.4f} | {error[is_model].mean():.4f} | {ratio:.4f} | {render:.1f} | {their_seconds:.1f} |" + (f" {bad} NaN" if bad else ""), flush=True)
+    print(f"| {path.stem} | {a.light} | {a.model}{', terminator' if a.terminator else ''} | {mean:.4f} | {error[is_model].mean():.4f} | {ratio:.4f} | {render:.1f} | {their_seconds:.1f} |" + (f" {bad} NaN" if bad else ""), flush=True)
 
 
 def main():

@@ -29,6 +29,8 @@ class Model(Enum):
 
 
 MODEL = Model.SPECIFICATION
+# Whether light fades out that grazes the surface but not its shading normal (Chiang, Li and Burley 2019), as bspray has it for all lobes.
+HAS_TERMINATOR = False
 TABLE = []
 
 
@@ -226,6 +228,9 @@ class Gltf(mi.BSDF):
             value += dr.select(is_above, (1 - p.above) * of_coat, 0)
             pdf += dr.select(is_above, p.chances[3] * coat_density, 0)
         through = p.base * below * white * thin_gain * (p.transmission * (1 - p.metallic)) * p.above
+        if HAS_TERMINATOR:
+            share = dr.clip(side / (above.z * dr.dot(p.geometric, p.normal)), 0, 1)
+            value *= share + dr.square(share) - share * dr.square(share)
         value = dr.select(reflects, value, dr.select(passes, through, 0))
         pdf = dr.select(reflects, pdf, dr.select(passes, p.chances[2] * density, 0))
         return value, pdf
