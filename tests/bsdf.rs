@@ -45,6 +45,10 @@ fn cases() -> Vec<Case> {
             metallic: 1.0,
             ..plastic
         };
+        let half_metal = Lobes {
+            metallic: 0.5,
+            ..plastic
+        };
         let coated = Lobes {
             coat: 1.0,
             coat_roughness: roughness,
@@ -70,6 +74,7 @@ fn cases() -> Vec<Case> {
         };
         add(format!("plastic {roughness}"), plastic, None, true);
         add(format!("metal {roughness}"), metal, None, true);
+        add(format!("half metal {roughness}"), half_metal, None, true);
         add(format!("coated {roughness}"), coated, None, true);
         // Sheen takes from what lies below as much as its strongest colour reflects.
         add(format!("cloth {roughness}"), cloth, None, false);

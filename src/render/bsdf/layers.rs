@@ -5,7 +5,7 @@ use glam::Vec3;
 use super::energy::{self, Reflected};
 use super::frame::Frame;
 use super::glass::Interface;
-use super::mirrors::Mirrors;
+use super::mirrors::{Facets, Mirrors};
 use super::{LEAST_COSINE, Lobes, Normals, Solid};
 
 /// The index of refraction of clear coats (KHR_materials_clearcoat).
@@ -60,10 +60,14 @@ impl<'a> Bsdf<'a> {
         let mut below = 1.0;
         let mut mirror_albedo = Vec3::ZERO;
         let coat = (lobes.coat > 0.0).then(|| {
-            let f0 = Vec3::splat(Lobes::f0_of(COAT_IOR));
+            let facets = Facets {
+                f0: Vec3::splat(Lobes::f0_of(COAT_IOR)),
+                f90: Vec3::ONE,
+                share: lobes.coat,
+            };
             let roughness = lobes.coat_roughness;
-            let coat = Mirrors::new(normals.coat, view, roughness, f0, Vec3::ONE, lobes.coat);
-            let albedo = Reflected::at(coat.o.z, roughness).albedo(f0, Vec3::ONE) * lobes.coat;
+            let coat = Mirrors::new(normals.coat, view, roughness, &[facets]);
+            let albedo = facets.albedo(Reflected::at(coat.o.z, roughness));
             chances[COAT] = albedo.x;
             mirror_albedo += albedo;
             below -= albedo.x;
@@ -82,20 +86,21 @@ impl<'a> Bsdf<'a> {
         let dielectric = (1.0 - lobes.metallic) * below;
         let solid_share = solid.map_or(0.0, |_| dielectric * lobes.transmission);
         // The base's mirrors are metal, and dielectric with a matt or thin ground.
-        let mirror_share = (below - solid_share).max(0.0);
-        let metal_share = lobes.metallic * below / mirror_share.max(f32::MIN_POSITIVE);
-        let f0 = lobes.f0.lerp(lobes.base_color, metal_share.min(1.0));
-        let f90 = Vec3::splat(lobes.f90 + (1.0 - lobes.f90) * metal_share.min(1.0));
-        let base = Mirrors::new(
-            normals.shading,
-            view,
-            lobes.roughness,
-            f0,
-            f90,
-            mirror_share,
-        );
+        let kinds = [
+            Facets {
+                f0: lobes.f0,
+                f90: Vec3::splat(lobes.f90),
+                share: (dielectric - solid_share).max(0.0),
+            },
+            Facets {
+                f0: lobes.base_color,
+                f90: Vec3::ONE,
+                share: lobes.metallic * below,
+            },
+        ];
+        let base = Mirrors::new(normals.shading, view, lobes.roughness, &kinds);
         let reflected = Reflected::at(o.z, lobes.roughness);
-        let base_albedo = reflected.albedo(f0, f90) * mirror_share;
+        let base_albedo = kinds.iter().map(|kind| kind.albedo(reflected)).sum::<Vec3>();
         chances[BASE] = base_albedo.max_element();
 
         let passed = Vec3::ONE - reflected.albedo(lobes.f0, Vec3::splat(lobes.f90));

@@ -13,31 +13,49 @@ pub(super) struct Mirrors {
     /// The viewer, in the frame.
     pub(super) o: Vec3,
     pub(super) alpha: f32,
-    /// Straight on and at grazing angles, with everything that lies above.
+    /// Straight on and at grazing angles, with further bounces and everything that lies above.
     pub(super) f0: Vec3,
     pub(super) f90: Vec3,
 }
 
+/// Facets of one kind among the mirrors of a lobe.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Facets {
+    /// What they reflect straight on.
+    pub(super) f0: Vec3,
+    /// What they reflect at grazing angles.
+    pub(super) f90: Vec3,
+    /// The share of the surface that they cover, with everything that lies above.
+    pub(super) share: f32,
+}
+
+impl Facets {
+    /// All light that they reflect.
+    pub(super) fn albedo(&self, energy: Reflected) -> Vec3 {
+        energy.albedo(self.f0, self.f90) * self.share
+    }
+}
+
 impl Mirrors {
-    pub(super) fn new(
-        normal: Vec3,
-        view: Vec3,
-        roughness: f32,
-        f0: Vec3,
-        f90: Vec3,
-        share: f32,
-    ) -> Self {
+    /// A lobe of facets of several kinds. Light bounces among facets of one kind, so that a surface that is half metal reflects the mean of what metal and
+    /// dielectric do (glTF 2.0, B.2); by the mean of their `f0`, a white one would lose up to a sixth of it where it is rough.
+    pub(super) fn new(normal: Vec3, view: Vec3, roughness: f32, kinds: &[Facets]) -> Self {
         let frame = Frame::around(normal);
         let mut o = frame.to_local(view);
         o.z = o.z.max(LEAST_COSINE);
         let energy = Reflected::at(o.z, roughness);
-        let factor = energy.compensation(f0) * share;
+        let (mut f0, mut f90) = (Vec3::ZERO, Vec3::ZERO);
+        for kind in kinds {
+            let factor = energy.compensation(kind.f0) * kind.share;
+            f0 += kind.f0 * factor;
+            f90 += kind.f90 * factor;
+        }
         Self {
             frame,
             o,
             alpha: roughness * roughness,
-            f0: f0 * factor,
-            f90: f90 * factor,
+            f0,
+            f90,
         }
     }
 
