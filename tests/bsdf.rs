@@ -145,9 +145,13 @@ fn white_furnace() {
     for case in cases() {
         for cosine in COSINES {
             with_bsdf(&case, view(cosine), |bsdf| {
-                let all = furnace(bsdf, 20_000);
+                // 20,000 points leave an error of half a percent where lobes are mixed: what lies near the limits is looked at again.
+                let is_sure = |all: Vec3| all.max_element() < 1.0025 && all.min_element() > 0.985;
+                let mut all = furnace(bsdf, 20_000);
+                if !is_sure(all) {
+                    all = furnace(bsdf, 200_000);
+                }
                 let place = format!("{}, cosine {cosine}: {all}", case.name);
-                // A lattice of 20,000 points leaves an error of about 0.3 % of the widest weights.
                 most = most.max(all.max_element());
                 if case.is_white {
                     least = least.min(all.min_element());
