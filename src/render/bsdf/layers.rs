@@ -100,7 +100,10 @@ impl<'a> Bsdf<'a> {
         ];
         let base = Mirrors::new(normals.shading, view, lobes.roughness, &kinds);
         let reflected = Reflected::at(o.z, lobes.roughness);
-        let base_albedo = kinds.iter().map(|kind| kind.albedo(reflected)).sum::<Vec3>();
+        let base_albedo = kinds
+            .iter()
+            .map(|kind| kind.albedo(reflected))
+            .sum::<Vec3>();
         chances[BASE] = base_albedo.max_element();
 
         let passed = Vec3::ONE - reflected.albedo(lobes.f0, Vec3::splat(lobes.f90));
