@@ -31,6 +31,8 @@ impl Bsdf<'_> {
                 value += self.sheen * (lobe * i.z);
                 density += chances[SHEEN] / TAU;
             }
+            // Matt light alone, as in Cycles: mirrors have no terminator, and would only lose light.
+            value *= self.terminator(i.z, side);
             let mut add = |mirrors: &Mirrors, i: Vec3, chance: f32| {
                 let (white, lobe, cosine) = mirrors.white(i);
                 value += mirrors.reflectance(cosine) * white;
@@ -40,7 +42,6 @@ impl Bsdf<'_> {
             if let Some(coat) = &self.coat {
                 add(coat, coat.frame.to_local(to_light), chances[COAT]);
             }
-            value *= self.terminator(i.z, side);
         } else if chances[THIN] > 0.0 {
             let (white, lobe, _) = self.base.white(i.with_z(-i.z));
             value += self.thin * white;
