@@ -145,9 +145,9 @@ fn white_furnace() {
     for case in cases() {
         for cosine in COSINES {
             with_bsdf(&case, view(cosine), |bsdf| {
-                let all = furnace(bsdf, 20_000);
+                let all = furnace(bsdf, 200_000);
                 let place = format!("{}, cosine {cosine}: {all}", case.name);
-                // A lattice of 20,000 points leaves an error of about 0.3 % of the widest weights.
+                // The tables err by 0.42 % at most, as 700,000 points find too; 80,000 still add 0.2 % where all lobes are mixed.
                 most = most.max(all.max_element());
                 if case.is_white {
                     least = least.min(all.min_element());
