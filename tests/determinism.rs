@@ -293,9 +293,24 @@ fn passes_add_up_to_the_first_samples_in_their_order() {
     // 5 ends within a pass, 8 with one; and more of them than a pass before had.
     for samples in [1, 5, 8] {
         for_all(samples, |name, scene, options| {
-            let film = film(scene, AcceleratorKind::Bvh2, SkyMode::On, options);
             let want = prefix(scene, options, |_| samples);
-            assert!(beauty(&film) == want, "{name}: {samples} samples");
+            // Rays whose steps are counted go one by one, others together.
+            for (kind, counts_cost) in [
+                (AcceleratorKind::Bvh2, true),
+                (AcceleratorKind::Bvh2, false),
+                (AcceleratorKind::Bsp, false),
+            ] {
+                let options = RenderOptions {
+                    counts_cost,
+                    ..*options
+                };
+                if options.integrator == Integrator::Cost && kind != AcceleratorKind::Bvh2 {
+                    continue;
+                }
+                let film = film(scene, kind, SkyMode::On, &options);
+                let name = format!("{name}, {kind}, counted {counts_cost}");
+                assert!(beauty(&film) == want, "{name}: {samples} samples");
+            }
         });
     }
 }

@@ -6,6 +6,7 @@ pub mod exact;
 
 mod aabb;
 mod bounding_sphere;
+mod facet;
 mod interval;
 mod ray;
 mod ray_frame;
@@ -14,6 +15,7 @@ mod triangle;
 
 pub use aabb::Aabb;
 pub use bounding_sphere::BoundingSphere;
+pub(crate) use facet::Facet;
 pub use interval::Interval;
 pub use ray::{Ray, RayOrigin};
 pub(crate) use ray_frame::rounded;

@@ -9,6 +9,7 @@ pub mod bsdf;
 mod cryptomatte;
 mod denoise;
 mod environment;
+mod facets;
 mod film;
 mod filter;
 mod framing;
@@ -53,9 +54,10 @@ pub use surface::{MaterialPoint, Surface};
 pub use texture::Textures;
 pub use tracer::{Answer, Covered, RayCounts, RayKind, TracedRay, Tracer};
 
+use crate::geometry::Ray;
 use crate::scene::CameraFrame;
 use cryptomatte::{MatteIds, TileMattes};
-use together::{BLOCK, Begun, TOGETHER, Together};
+use together::{BLOCK, TOGETHER, Together};
 
 /// What to render, and how.
 #[derive(Clone, Copy, Debug)]
@@ -157,9 +159,8 @@ pub fn render(
                     }
                     let samples = first..end.min(first + TOGETHER);
                     together.trace(&pixel, &mut tracer, &block, samples);
-                    for ((x, y), begun) in together.begun() {
+                    together.finish(&pixel, &mut tracer, |tracer, (x, y), sample| {
                         let index = tile.rect.index(x, y);
-                        let sample = pixel.finish(&mut tracer, begun);
                         let sum = &mut tile.sums[index];
                         sum.add(&sample);
                         if let Some(layers) = tile.layers.get_mut(index) {
@@ -172,7 +173,7 @@ pub fn render(
                             sum.cost += std::mem::take(cost);
                         }
                         added += 1;
-                    }
+                    });
                 }
             }
             tile.rays += tracer.rays;
@@ -200,19 +201,13 @@ pub struct PixelRenderer<'a> {
 impl PixelRenderer<'_> {
     /// One sample of a pixel.
     pub fn sample(&self, tracer: &mut Tracer, x: u32, y: u32, sample: u32) -> Sample {
-        let begun = self.begin(x, y, sample);
-        let hit = tracer.closest(&begun.ray, RayKind::Eye);
-        self.finish(
-            tracer,
-            Begun {
-                hit: Some(hit),
-                ..begun
-            },
-        )
+        let (ray, sampler) = self.begin(x, y, sample);
+        self.finish(tracer, &ray, sampler, self.cone())
     }
 
-    /// The eye ray of a sample.
-    fn begin(&self, x: u32, y: u32, sample: u32) -> Begun {
+    /// The eye ray of a sample, and the numbers that are left.
+    #[inline]
+    fn begin(&self, x: u32, y: u32, sample: u32) -> (Ray, Sampler) {
         let options = self.options;
         let mut sampler = Sampler::among(x, y, sample, options.samples, options.seed);
         let (dx, dy) = options.filter.sample(sampler.next_2d());
@@ -222,27 +217,14 @@ impl PixelRenderer<'_> {
         } else {
             self.camera.ray(column, row, Some((x, y)))
         };
-        Begun {
-            ray,
-            hit: None,
-            sampler,
-        }
+        (ray, sampler)
     }
 
-    /// What the eye sees along a ray that was begun.
-    fn finish(&self, tracer: &mut Tracer, mut begun: Begun) -> Sample {
-        let ray = begun.ray;
-        let hit = begun
-            .hit
-            .unwrap_or_else(|| tracer.closest(&ray, RayKind::Eye));
-        let integrator = self.options.integrator;
-        integrator.sample(
-            self.stage,
-            tracer,
-            (ray, hit),
-            self.cone(),
-            &mut begun.sampler,
-        )
+    /// What the eye sees along the ray of a sample.
+    fn finish(&self, tracer: &mut Tracer, ray: &Ray, mut rest: Sampler, cone: RayCone) -> Sample {
+        let hit = tracer.closest(ray, RayKind::Eye);
+        let integrator = &self.options.integrator;
+        integrator.sample(self.stage, tracer, (*ray, hit), cone, &mut rest)
     }
 
     /// The cone of a sample. The samples of a pixel share it, so each stands for less than the whole; how much less is bounded, since

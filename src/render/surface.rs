@@ -2,11 +2,12 @@
 
 use glam::{Vec2, Vec3, Vec4};
 
+use super::facets::{Facets, StagedFacet};
 use super::ray_cone::RayCone;
 use super::stage::Stage;
 use super::texture::ColorSpace;
 use crate::accel::Hit;
-use crate::geometry::{Ray, Triangle};
+use crate::geometry::Ray;
 use crate::scene::{AlphaMode, Material, TextureRef};
 
 /// The surface at a hit. Both normals are of unit length and turned towards where the ray came from.
@@ -36,6 +37,8 @@ pub struct Surface {
     pub footprint: f32,
     /// The same in units of the first set of texture coordinates.
     uv_footprint: f32,
+    /// How many of these a model unit is; 0 where no texture is looked up.
+    uv_per_length: f32,
 }
 
 /// A material's values at one place.
@@ -54,38 +57,48 @@ pub struct MaterialPoint {
 impl Surface {
     /// Looks up the surface at a hit of a ray.
     pub fn at(stage: &Stage, ray: &Ray, hit: Hit) -> Self {
+        Self::on(stage, &StagedFacet::of(stage, hit), ray, hit)
+    }
+
+    /// As [`Surface::at`] and [`Surface::seen_in`], with the triangles that were met last.
+    #[inline]
+    pub(super) fn seen(
+        stage: &Stage,
+        facets: &mut Facets,
+        ray: &Ray,
+        hit: Hit,
+        cone: RayCone,
+    ) -> Self {
+        Self::on(stage, facets.of(stage, hit), ray, hit).seen_in(ray, cone)
+    }
+
+    #[inline]
+    fn on(stage: &Stage, of_all: &StagedFacet, ray: &Ray, hit: Hit) -> Self {
         let scene = stage.scene;
         let instance = &scene.instances[hit.instance as usize];
-        let staged = &stage.instances[hit.instance as usize];
         let mesh = &scene.meshes[instance.mesh as usize];
-        let corners = mesh.triangles[hit.triangle as usize].map(|v| v as usize);
-        let points = corners.map(|v| instance.world_point(mesh.positions[v]));
-        let triangle = Triangle::new(points[0], points[1], points[2]);
-        let weights = triangle.barycentric(ray);
+        let corners = || mesh.triangles[hit.triangle as usize].map(|v| v as usize);
+        let weights = of_all.facet.barycentric(ray);
         let mix = |values: [Vec4; 3]| {
             values[0] * (1.0 - weights.u - weights.v)
                 + values[1] * weights.u
                 + values[2] * weights.v
         };
 
-        let [a, b, c] = points.map(|p| p.as_dvec3());
-        let position =
-            (a + (b - a) * f64::from(weights.u) + (c - a) * f64::from(weights.v)).as_vec3();
         // A triangle that its placement squashed to a line is never hit; any unit vector will do.
-        let own = triangle
-            .normal()
-            .unwrap_or(-ray.direction.normalize_or(Vec3::NEG_Z));
-        let front = if staged.is_mirrored { -own } else { own };
+        let front = of_all
+            .front
+            .unwrap_or_else(|| -ray.direction.normalize_or(Vec3::NEG_Z));
         let is_front = front.dot(ray.direction) < 0.0;
         let geometric_normal = if is_front { front } else { -front };
 
         let smooth = (!mesh.normals.is_empty()).then(|| {
-            let [a, b, c] = corners.map(|v| mesh.normals[v]);
+            let [a, b, c] = corners().map(|v| mesh.normals[v]);
             // A vertex whose normal is zero says that the triangle's own counts.
             let all = [a, b, c].iter().all(|n| *n != Vec3::ZERO);
             let n = mix([a, b, c].map(|n| n.extend(0.0))).truncate();
             all.then(|| {
-                (staged.normal_matrix * n.as_dvec3())
+                (stage.instances[hit.instance as usize].normal_matrix * n.as_dvec3())
                     .normalize_or_zero()
                     .as_vec3()
             })
@@ -107,42 +120,47 @@ impl Surface {
             .first()
             .filter(|set| !set.is_empty())
             .map_or(Vec2::ZERO, |set| {
-                mix(corners.map(|v| set[v].extend(0.0).extend(0.0)))
+                mix(corners().map(|v| set[v].extend(0.0).extend(0.0)))
                     .truncate()
                     .truncate()
             });
         Self {
             hit,
-            position,
+            position: of_all.facet.point(weights),
             geometric_normal,
             shading_normal,
             is_front,
             uv,
             barycentric: (weights.u, weights.v),
-            material: mesh.material_of(hit.triangle),
-            offset: staged.offset(&triangle),
+            material: of_all.material,
+            offset: of_all.offset,
             cone: RayCone::default(),
             footprint: 0.0,
+            uv_per_length: of_all.uv_per_length,
             uv_footprint: 0.0,
         }
     }
 
     /// The surface as seen along a ray that leaves its origin with a cone.
     #[must_use]
-    pub fn seen_in(self, stage: &Stage, ray: &Ray, cone: RayCone) -> Self {
+    #[inline]
+    pub fn seen_in(self, ray: &Ray, cone: RayCone) -> Self {
         let length = ray.direction.length();
         let cone = cone.propagated(self.hit.t * length);
         let cosine = self.geometric_normal.dot(ray.direction) / length;
-        let mut seen = Self {
+        let footprint = cone.footprint(cosine);
+        // A footprint that is no number stands for the finest detail.
+        let is_wide = footprint > 0.0;
+        Self {
             cone,
-            footprint: cone.footprint(cosine),
+            footprint,
+            uv_footprint: if is_wide {
+                footprint * self.uv_per_length
+            } else {
+                0.0
+            },
             ..self
-        };
-        if stage.is_textured[self.material as usize] {
-            let first_set = TextureRef::default();
-            seen.uv_footprint = seen.patch(stage, &first_set, seen.footprint).1;
         }
-        seen
     }
 
     /// Where a ray that leaves towards `direction` starts: on its side of the surface, clear of rounding.

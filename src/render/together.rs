@@ -1,9 +1,11 @@
-//! Eye rays that are traced together: those of neighbouring pixels go the same way, and cost about half of what they cost one by one.
+//! Samples of neighbouring pixels taken together: their eye rays go the same way, and cost about half of what they cost one by one; so do the shadow
+//! rays of [`Lit`].
 
 use std::ops::Range;
 
 use super::PixelRenderer;
 use super::film::PixelRect;
+use super::integrator::{Lit, Sample};
 use super::sampler::Sampler;
 use super::tracer::{RayKind, Tracer};
 use crate::accel::Hit;
@@ -16,24 +18,17 @@ pub(super) const BLOCK: u32 = 8;
 /// `benches/record` has measured; they fit into the second cache.
 pub(super) const TOGETHER: u32 = 16;
 
-/// A sample whose eye ray is known.
-#[derive(Clone, Debug)]
-pub(super) struct Begun {
-    pub(super) ray: Ray,
-    /// What the ray meets, if that is known already.
-    pub(super) hit: Option<Option<Hit>>,
-    /// The numbers that are left.
-    pub(super) sampler: Sampler,
-}
-
 /// The samples of a block of pixels, and room for their rays.
 #[derive(Debug, Default)]
 pub(super) struct Together {
     places: Vec<(u32, u32)>,
+    /// For each pixel.
+    samples: usize,
     samplers: Vec<Sampler>,
     rays: Vec<Ray>,
     hits: Vec<Option<Hit>>,
     has_hits: bool,
+    lit: Lit,
 }
 
 impl Together {
@@ -48,27 +43,80 @@ impl Together {
         self.places.clear();
         self.samplers.clear();
         self.rays.clear();
-        for place in block.pixels() {
+        self.samples = samples.len();
+        for (x, y) in squares(block) {
+            self.places.push((x, y));
             for sample in samples.clone() {
-                let begun = pixel.begin(place.0, place.1, sample);
-                self.places.push(place);
-                self.samplers.push(begun.sampler);
-                self.rays.push(begun.ray);
+                let (ray, rest) = pixel.begin(x, y, sample);
+                self.samplers.push(rest);
+                self.rays.push(ray);
             }
         }
         let traced = tracer.closest_together(&self.rays, &mut self.hits, RayKind::Eye);
         self.has_hits = traced.is_some();
     }
 
-    /// The samples, pixel by pixel, those of each in their order.
-    pub(super) fn begun(&self) -> impl Iterator<Item = ((u32, u32), Begun)> {
-        (0..self.rays.len()).map(|index| {
-            let begun = Begun {
-                ray: self.rays[index],
-                hit: self.has_hits.then(|| self.hits[index]),
-                sampler: self.samplers[index].clone(),
+    /// Sees the samples to their end: each goes to `done` with its pixel, those of a pixel in their order.
+    pub(super) fn finish<'a>(
+        &mut self,
+        pixel: &PixelRenderer,
+        tracer: &mut Tracer<'a>,
+        mut done: impl FnMut(&mut Tracer<'a>, (u32, u32), Sample),
+    ) {
+        let (stage, integrator, cone) = (pixel.stage, pixel.options.integrator, pixel.cone());
+        let (places, samples) = (&self.places, self.samples);
+        let all = self.rays.iter().zip(&mut self.samplers);
+        if !self.has_hits {
+            for (index, (ray, sampler)) in all.enumerate() {
+                let sample = pixel.finish(tracer, ray, sampler.clone(), cone);
+                done(tracer, places[index / samples], sample);
+            }
+            return;
+        }
+        let all = all.zip(&self.hits);
+        if Lit::is_for(integrator, stage) {
+            self.lit.clear();
+            for ((ray, sampler), hit) in all {
+                self.lit.push(stage, tracer, (ray, *hit), cone, sampler);
+            }
+            self.lit.finish(tracer, |tracer, index, sample| {
+                done(tracer, places[index / samples], sample);
+            });
+            return;
+        }
+        for (index, ((ray, sampler), hit)) in all.enumerate() {
+            let sample = integrator.sample(stage, tracer, (*ray, *hit), cone, sampler);
+            done(tracer, places[index / samples], sample);
+        }
+    }
+}
+
+/// The pixels of a block, square by square within squares (Morton's order), so that the rays of any stretch of them are close to one another.
+fn squares(block: &PixelRect) -> impl Iterator<Item = (u32, u32)> + use<> {
+    let block = *block;
+    let every_other = |i: u32| i & 1 | i >> 1 & 2 | i >> 2 & 4;
+    let places = (0..BLOCK * BLOCK).map(move |i| (every_other(i), every_other(i >> 1)));
+    places
+        .filter(move |(x, y)| *x < block.width && *y < block.height)
+        .map(move |(x, y)| (block.x + x, block.y + y))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn squares_have_every_pixel_of_a_block_once() {
+        for (width, height) in [(BLOCK, BLOCK), (3, 8), (8, 1), (5, 6)] {
+            let block = PixelRect {
+                x: 16,
+                y: 40,
+                width,
+                height,
             };
-            (self.places[index], begun)
-        })
+            let mut found: Vec<_> = squares(&block).collect();
+            found.sort_by_key(|&(x, y)| (y, x));
+            assert_eq!(found, block.pixels().collect::<Vec<_>>());
+        }
     }
 }

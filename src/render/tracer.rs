@@ -2,6 +2,7 @@
 
 use std::ops::AddAssign;
 
+use super::facets::Facets;
 use crate::accel::{Accelerator, Hit, TraceCounters};
 use crate::geometry::Ray;
 
@@ -102,9 +103,11 @@ pub struct Covered {
     pub share: f32,
 }
 
-/// Sends rays to an accelerator.
+/// Sends rays to an accelerator, for one stage.
 pub struct Tracer<'a> {
     accelerator: &'a dyn Accelerator,
+    /// The triangles that were met last: a tracer serves one stage.
+    pub(super) facets: Facets,
     /// Rays sent so far.
     pub rays: RayCounts,
     /// Steps of traversal so far, if they are counted.
@@ -121,6 +124,7 @@ impl<'a> Tracer<'a> {
         let cost = counted.then(TraceCounters::default);
         Self {
             accelerator,
+            facets: Facets::default(),
             rays: RayCounts::default(),
             cost,
             record: None,
@@ -162,6 +166,23 @@ impl<'a> Tracer<'a> {
         hits.clear();
         hits.resize(rays.len(), None);
         self.accelerator.closest_hits(rays, hits);
+        *self.count(kind) += rays.len() as u64;
+        Some(())
+    }
+
+    /// Whether anything is hit, for rays of one kind, together; `None` where each has to be traced by itself, since it is counted or recorded.
+    pub(super) fn any_together(
+        &mut self,
+        rays: &[Ray],
+        hits: &mut Vec<bool>,
+        kind: RayKind,
+    ) -> Option<()> {
+        if self.cost.is_some() || self.record.is_some() {
+            return None;
+        }
+        hits.clear();
+        hits.resize(rays.len(), false);
+        self.accelerator.any_hits(rays, hits);
         *self.count(kind) += rays.len() as u64;
         Some(())
     }

@@ -23,21 +23,56 @@ pub(super) fn shade(
     material: &MaterialPoint,
     sampler: &mut Sampler,
 ) -> Vec3 {
+    let mut irradiance = Vec3::ZERO;
+    if !material.is_unlit {
+        lights(stage, ray, surface, sampler, |arriving| {
+            let passed = visibility(stage, tracer, arriving.shadow, RayKind::Shadow);
+            irradiance += arriving.irradiance * (arriving.cosine * passed);
+        });
+    }
+    reflected(material, irradiance)
+}
+
+/// What leaves a surface that gets an irradiance.
+pub(super) fn reflected(material: &MaterialPoint, irradiance: Vec3) -> Vec3 {
     if material.is_unlit {
         return material.base_color;
     }
+    material.emission + material.base_color * irradiance * FRAC_1_PI
+}
+
+/// Light that comes to a surface, if nothing is in its way.
+pub(super) struct Arriving {
+    /// Irradiance across its direction.
+    pub(super) irradiance: Vec3,
+    /// Between its direction and the shading normal.
+    pub(super) cosine: f32,
+    /// Asks what is in its way.
+    pub(super) shadow: Ray,
+}
+
+/// Finds the light that comes to where a ray met a surface.
+#[inline]
+pub(super) fn lights(
+    stage: &Stage,
+    ray: &Ray,
+    surface: &Surface,
+    sampler: &mut Sampler,
+    mut found: impl FnMut(Arriving),
+) {
     let depth = ray.source.depth + 1;
-    let mut irradiance = Vec3::ZERO;
-    let mut add = |tracer: &mut Tracer, incident: Incident| {
+    let mut add = |incident: Incident| {
         let cosine = incident.direction.dot(surface.shading_normal);
         if cosine > 0.0 && incident.direction.dot(surface.geometric_normal) > 0.0 {
-            let shadow = shadow_ray_to(surface, &incident, depth);
-            irradiance +=
-                incident.irradiance * (cosine * visibility(stage, tracer, shadow, RayKind::Shadow));
+            found(Arriving {
+                irradiance: incident.irradiance,
+                cosine,
+                shadow: shadow_ray_to(surface, &incident, depth),
+            });
         }
     };
     for incident in stage.lights.punctual(surface.position) {
-        add(tracer, incident);
+        add(incident);
     }
     if stage.lights.has_emitters() {
         // Three numbers: the choice of the triangle, and the point on it.
@@ -47,13 +82,13 @@ pub(super) fn shade(
             .lights
             .emitter(stage.scene, surface.position, choice, point)
         {
-            add(tracer, incident);
+            add(incident);
         }
     }
     if let Some(environment) = &stage.environment {
         let [sun, sky] = [sampler.next_2d(), sampler.next_2d()];
         if let Some(found) = environment.sample_sun(sun) {
-            add(tracer, Incident::far(&found));
+            add(Incident::far(&found));
         }
         if environment.is_even() {
             let direction = cosine_hemisphere(surface.shading_normal, sky);
@@ -66,13 +101,12 @@ pub(super) fn shade(
                     radiance,
                     density,
                 };
-                add(tracer, Incident::far(&found));
+                add(Incident::far(&found));
             }
         } else if let Some(found) = environment.sample_sky(sky) {
-            add(tracer, Incident::far(&found));
+            add(Incident::far(&found));
         }
     }
-    material.emission + material.base_color * irradiance * FRAC_1_PI
 }
 
 /// The ray that asks whether the light arrives.

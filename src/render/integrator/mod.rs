@@ -3,12 +3,14 @@
 mod ambient;
 mod direct;
 mod geometry;
+mod lit;
 mod media;
 mod path;
 mod plain;
 mod whitted;
 
 pub(super) use direct::shadow_ray_to;
+pub(super) use lit::Lit;
 pub use plain::MOST_STEPS;
 
 use glam::Vec3;
@@ -109,13 +111,13 @@ struct Radiance {
 
 impl Radiance {
     /// A colour that no light makes.
-    fn plain(color: Vec3, surface: &Surface, material: &MaterialPoint) -> Self {
+    fn plain(color: Vec3, normal: Vec3, material: &MaterialPoint) -> Self {
         Self {
             total: color,
             direct: color,
             diffuse_albedo: material.base_color,
             specular_albedo: Vec3::ZERO,
-            normal: surface.shading_normal,
+            normal,
         }
     }
 }
@@ -190,7 +192,7 @@ impl Integrator {
                 sample.backdrop = self.backdrop(stage, &ray) * (1.0 - sample.alpha);
                 return sample;
             };
-            let surface = Surface::at(stage, &ray, hit).seen_in(stage, &ray, cone);
+            let surface = Surface::seen(stage, &mut tracer.facets, &ray, hit, cone);
             let material = surface.material_point(stage);
             if material.alpha > 0.0 {
                 let seen = self.shade(stage, tracer, &ray, &surface, &material, sampler);
@@ -236,7 +238,7 @@ impl Integrator {
             Self::Fragment => partition::fragment(stage, ray, surface),
             Self::BspDepth => partition::depth(stage, ray, surface),
         };
-        Radiance::plain(color, surface, material)
+        Radiance::plain(color, surface.shading_normal, material)
     }
 
     fn backdrop(&self, stage: &Stage, ray: &Ray) -> Vec3 {
@@ -259,7 +261,7 @@ pub(super) fn first_visible(
 ) -> Option<(Surface, MaterialPoint)> {
     for _ in 0..MOST_LAYERS {
         let hit = tracer.closest(ray, kind)?;
-        let surface = Surface::at(stage, ray, hit).seen_in(stage, ray, cone);
+        let surface = Surface::seen(stage, &mut tracer.facets, ray, hit, cone);
         let material = surface.material_point(stage);
         if material.alpha > 0.0 {
             return Some((surface, material));

@@ -169,7 +169,7 @@ fn follow(
 ) -> Option<(Surface, MaterialPoint)> {
     for _ in 0..MOST_LAYERS {
         let hit = tracer.closest(ray, kind)?;
-        let surface = Surface::at(stage, ray, hit).seen_in(stage, ray, cone);
+        let surface = Surface::seen(stage, &mut tracer.facets, ray, hit, cone);
         let material = surface.material_point(stage);
         if material.alpha >= 1.0 || sampler.next_1d() < material.alpha {
             return Some((surface, material));

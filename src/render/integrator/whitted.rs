@@ -61,7 +61,7 @@ impl Whitted<'_, '_, '_> {
         weight: Vec3,
     ) -> Radiance {
         if material.is_unlit {
-            return Radiance::plain(material.base_color, surface, material);
+            return Radiance::plain(material.base_color, surface.shading_normal, material);
         }
         let stage = self.stage;
         let depth = ray.source.depth + 1;
