@@ -177,7 +177,6 @@ impl Surface {
     pub fn material_point(&self, stage: &Stage) -> MaterialPoint {
         let material = self.material(stage);
         let color = self.color(stage, material);
-        let alpha = alpha_of(material, color);
         let emission = if material.emissive == Vec3::ZERO {
             Vec3::ZERO
         } else {
@@ -186,17 +185,23 @@ impl Surface {
         };
         MaterialPoint {
             base_color: color.truncate(),
-            alpha,
+            alpha: self.alpha(stage),
             emission,
             is_unlit: material.unlit,
         }
     }
 
-    /// The share of the light that the surface stops here, as in [`MaterialPoint`].
+    /// The share of the light that the surface stops here, as in [`MaterialPoint`]. In the finest detail for all rays: the cutoff of a mask is no mean, so
+    /// that wide cones would close its holes, and rays to lights would see others than rays from surfaces.
     pub(super) fn alpha(&self, stage: &Stage) -> f32 {
         let material = self.material(stage);
         if material.has_alpha() {
-            alpha_of(material, self.color(stage, material))
+            let finest = Self {
+                footprint: 0.0,
+                uv_footprint: 0.0,
+                ..*self
+            };
+            alpha_of(material, finest.color(stage, material))
         } else {
             1.0
         }

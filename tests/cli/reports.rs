@@ -199,7 +199,7 @@ fn one_pixel_is_told_and_nothing_rendered() {
     assert_eq!(text.code, Some(0), "{text:?}");
     assert!(text.stdout.starts_with("pixel 3,2\n"), "{}", text.stdout);
     assert!(
-        text.stdout.contains("shadow ray, depth 1"),
+        text.stdout.contains("diffuse ray, depth 1"),
         "{}",
         text.stdout
     );
