@@ -51,9 +51,13 @@ pub struct Bsdf<'a> {
 impl<'a> Bsdf<'a> {
     /// For a viewer in direction `view`. `solid` is the medium, if the material passes light into one.
     pub fn new(lobes: &Lobes, normals: Normals, view: Vec3, solid: Option<Solid<'a>>) -> Self {
-        let frame = Frame::around(normals.shading);
-        let mut o = frame.to_local(view);
-        o.z = o.z.max(LEAST_COSINE);
+        let seen_along = |normal: Vec3| {
+            let frame = Frame::around(normal);
+            let mut o = frame.to_local(view);
+            o.z = o.z.max(LEAST_COSINE);
+            (frame, o)
+        };
+        let (frame, o) = seen_along(normals.shading);
         let mut chances = [0.0; LOBES];
 
         // What the layers so far leave to those below.
@@ -62,8 +66,10 @@ impl<'a> Bsdf<'a> {
         let coat = (lobes.coat > 0.0).then(|| {
             let f0 = Vec3::splat(Lobes::f0_of(COAT_IOR));
             let roughness = lobes.coat_roughness;
-            let coat = Mirrors::new(normals.coat, view, roughness, f0, Vec3::ONE, lobes.coat);
-            let albedo = Reflected::at(coat.o.z, roughness).albedo(f0, Vec3::ONE) * lobes.coat;
+            let seen = seen_along(normals.coat);
+            let energy = Reflected::at(seen.1.z, roughness);
+            let coat = Mirrors::new(seen, (roughness, energy), f0, Vec3::ONE, lobes.coat);
+            let albedo = energy.albedo(f0, Vec3::ONE) * lobes.coat;
             chances[COAT] = albedo.x;
             mirror_albedo += albedo;
             below -= albedo.x;
@@ -86,15 +92,14 @@ impl<'a> Bsdf<'a> {
         let metal_share = lobes.metallic * below / mirror_share.max(f32::MIN_POSITIVE);
         let f0 = lobes.f0.lerp(lobes.base_color, metal_share.min(1.0));
         let f90 = Vec3::splat(lobes.f90 + (1.0 - lobes.f90) * metal_share.min(1.0));
+        let reflected = Reflected::at(o.z, lobes.roughness);
         let base = Mirrors::new(
-            normals.shading,
-            view,
-            lobes.roughness,
+            (frame, o),
+            (lobes.roughness, reflected),
             f0,
             f90,
             mirror_share,
         );
-        let reflected = Reflected::at(o.z, lobes.roughness);
         let base_albedo = reflected.albedo(f0, f90) * mirror_share;
         chances[BASE] = base_albedo.max_element();
 

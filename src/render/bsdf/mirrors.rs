@@ -4,7 +4,7 @@ use glam::Vec3;
 
 use super::energy::Reflected;
 use super::frame::Frame;
-use super::{LEAST_COSINE, fresnel, ggx};
+use super::{fresnel, ggx};
 
 /// The lobe, for one viewer.
 #[derive(Clone, Copy, Debug)]
@@ -19,18 +19,14 @@ pub(super) struct Mirrors {
 }
 
 impl Mirrors {
+    /// For a viewer in direction `o` of the frame, to whom white mirrors of this roughness reflect `energy`.
     pub(super) fn new(
-        normal: Vec3,
-        view: Vec3,
-        roughness: f32,
+        (frame, o): (Frame, Vec3),
+        (roughness, energy): (f32, Reflected),
         f0: Vec3,
         f90: Vec3,
         share: f32,
     ) -> Self {
-        let frame = Frame::around(normal);
-        let mut o = frame.to_local(view);
-        o.z = o.z.max(LEAST_COSINE);
-        let energy = Reflected::at(o.z, roughness);
         let factor = energy.compensation(f0) * share;
         Self {
             frame,
