@@ -206,7 +206,7 @@ impl PixelRenderer<'_> {
     }
 
     /// The eye ray of a sample, and the numbers that are left.
-    #[inline]
+    #[inline(always)]
     fn begin(&self, x: u32, y: u32, sample: u32) -> (Ray, Sampler) {
         let options = self.options;
         let mut sampler = Sampler::among(x, y, sample, options.samples, options.seed);

@@ -35,6 +35,7 @@ impl Sampler {
     }
 
     /// The numbers of sample `sample` of the pixel in column `x` and row `y` (at most 65,535), which gets `samples` of them.
+    #[inline]
     pub fn among(x: u32, y: u32, sample: u32, samples: u32, seed: u32) -> Self {
         let log2 = samples
             .max(1)
@@ -64,6 +65,7 @@ impl Sampler {
     }
 
     /// The next two numbers, each in [0, 1), which are stratified together.
+    #[inline]
     pub fn next_2d(&mut self) -> [f32; 2] {
         let seed = hash(self.seed.wrapping_add(self.pairs.wrapping_mul(0x9e37_79b9)));
         self.pairs += 1;

@@ -69,10 +69,28 @@ impl Surface {
         hit: Hit,
         cone: RayCone,
     ) -> Self {
-        Self::on(stage, facets.of(stage, hit), ray, hit).seen_in(ray, cone)
+        let mut surface = Self::on(stage, facets.of(stage, hit), ray, hit);
+        surface.widen(ray, cone);
+        surface
     }
 
+    /// As [`Surface::seen`], without the cone where no texture is looked up.
     #[inline]
+    pub(super) fn first_seen(
+        stage: &Stage,
+        facets: &mut Facets,
+        ray: &Ray,
+        hit: Hit,
+        cone: RayCone,
+    ) -> Self {
+        let mut surface = Self::on(stage, facets.of(stage, hit), ray, hit);
+        if stage.is_textured[surface.material as usize] {
+            surface.widen(ray, cone);
+        }
+        surface
+    }
+
+    #[inline(always)]
     fn on(stage: &Stage, of_all: &StagedFacet, ray: &Ray, hit: Hit) -> Self {
         let scene = stage.scene;
         let instance = &scene.instances[hit.instance as usize];
@@ -144,23 +162,26 @@ impl Surface {
     /// The surface as seen along a ray that leaves its origin with a cone.
     #[must_use]
     #[inline]
-    pub fn seen_in(self, ray: &Ray, cone: RayCone) -> Self {
+    pub fn seen_in(mut self, ray: &Ray, cone: RayCone) -> Self {
+        self.widen(ray, cone);
+        self
+    }
+
+    #[inline(always)]
+    fn widen(&mut self, ray: &Ray, cone: RayCone) {
         let length = ray.direction.length();
         let cone = cone.propagated(self.hit.t * length);
         let cosine = self.geometric_normal.dot(ray.direction) / length;
         let footprint = cone.footprint(cosine);
         // A footprint that is no number stands for the finest detail.
         let is_wide = footprint > 0.0;
-        Self {
-            cone,
-            footprint,
-            uv_footprint: if is_wide {
-                footprint * self.uv_per_length
-            } else {
-                0.0
-            },
-            ..self
-        }
+        self.cone = cone;
+        self.footprint = footprint;
+        self.uv_footprint = if is_wide {
+            footprint * self.uv_per_length
+        } else {
+            0.0
+        };
     }
 
     /// Where a ray that leaves towards `direction` starts: on its side of the surface, clear of rounding.
@@ -174,6 +195,7 @@ impl Surface {
     }
 
     /// The material's values here.
+    #[inline]
     pub fn material_point(&self, stage: &Stage) -> MaterialPoint {
         let material = self.material(stage);
         let color = self.color(stage, material);
@@ -212,6 +234,7 @@ impl Surface {
     }
 
     /// A texture's value here; white where there is none.
+    #[inline]
     pub(super) fn texel(
         &self,
         stage: &Stage,
@@ -228,6 +251,7 @@ impl Surface {
     }
 
     /// Colour and alpha with textures and vertex colours.
+    #[inline]
     fn color(&self, stage: &Stage, material: &Material) -> Vec4 {
         let mut color = material.base_color
             * self.texel(stage, material.base_color_texture, ColorSpace::Srgb)
@@ -256,6 +280,7 @@ impl Surface {
         a * (1.0 - u - v) + b * u + c * v
     }
 
+    #[inline]
     fn vertex_color(&self, stage: &Stage) -> Vec4 {
         let mesh = stage.scene.mesh_of(self.hit.instance);
         if mesh.colors.is_empty() {

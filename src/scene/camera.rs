@@ -190,6 +190,7 @@ impl CameraFrame {
     /// The ray through screen position (`x`, `y`), in pixels from the top left corner; pixel centres are at halves.
     ///
     /// Its direction has unit length, so `t` is a distance in model units. `pixel` is what the ray will know of its pixel.
+    #[inline]
     pub fn ray(&self, x: f64, y: f64, pixel: Option<(u32, u32)>) -> Ray {
         let (origin, direction) = self.origin_and_direction(x, y);
         let source = RayOrigin { depth: 0, pixel };
@@ -199,6 +200,7 @@ impl CameraFrame {
         }
     }
 
+    #[inline(always)]
     fn origin_and_direction(&self, x: f64, y: f64) -> (DVec3, DVec3) {
         // From -1 to 1, to the right and upwards.
         let (right, up) = (x * self.scale.0 - 1.0, 1.0 - y * self.scale.1);

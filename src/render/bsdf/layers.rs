@@ -51,9 +51,13 @@ pub struct Bsdf<'a> {
 impl<'a> Bsdf<'a> {
     /// For a viewer in direction `view`. `solid` is the medium, if the material passes light into one.
     pub fn new(lobes: &Lobes, normals: Normals, view: Vec3, solid: Option<Solid<'a>>) -> Self {
-        let frame = Frame::around(normals.shading);
-        let mut o = frame.to_local(view);
-        o.z = o.z.max(LEAST_COSINE);
+        let seen_along = |normal: Vec3| {
+            let frame = Frame::around(normal);
+            let mut o = frame.to_local(view);
+            o.z = o.z.max(LEAST_COSINE);
+            (frame, o)
+        };
+        let (frame, o) = seen_along(normals.shading);
         let mut chances = [0.0; LOBES];
 
         // What the layers so far leave to those below.
@@ -66,8 +70,10 @@ impl<'a> Bsdf<'a> {
                 share: lobes.coat,
             };
             let roughness = lobes.coat_roughness;
-            let coat = Mirrors::new(normals.coat, view, roughness, &[facets]);
-            let albedo = facets.albedo(Reflected::at(coat.o.z, roughness));
+            let seen = seen_along(normals.coat);
+            let energy = Reflected::at(seen.1.z, roughness);
+            let coat = Mirrors::new(seen, (roughness, energy), &[facets]);
+            let albedo = facets.albedo(energy);
             chances[COAT] = albedo.x;
             mirror_albedo += albedo;
             below -= albedo.x;
@@ -98,8 +104,8 @@ impl<'a> Bsdf<'a> {
                 share: lobes.metallic * below,
             },
         ];
-        let base = Mirrors::new(normals.shading, view, lobes.roughness, &kinds);
         let reflected = Reflected::at(o.z, lobes.roughness);
+        let base = Mirrors::new((frame, o), (lobes.roughness, reflected), &kinds);
         let base_albedo = kinds
             .iter()
             .map(|kind| kind.albedo(reflected))

@@ -4,7 +4,7 @@ use glam::Vec3;
 
 use super::energy::Reflected;
 use super::frame::Frame;
-use super::{LEAST_COSINE, fresnel, ggx};
+use super::{fresnel, ggx};
 
 /// The lobe, for one viewer.
 #[derive(Clone, Copy, Debug)]
@@ -37,13 +37,14 @@ impl Facets {
 }
 
 impl Mirrors {
-    /// A lobe of facets of several kinds. Light bounces among facets of one kind, so that a surface that is half metal reflects the mean of what metal and
-    /// dielectric do (glTF 2.0, B.2); by the mean of their `f0`, a white one would lose up to a sixth of it where it is rough.
-    pub(super) fn new(normal: Vec3, view: Vec3, roughness: f32, kinds: &[Facets]) -> Self {
-        let frame = Frame::around(normal);
-        let mut o = frame.to_local(view);
-        o.z = o.z.max(LEAST_COSINE);
-        let energy = Reflected::at(o.z, roughness);
+    /// A lobe of facets of several kinds, for a viewer in direction `o` of the frame, to whom white mirrors of this roughness reflect `energy`. Light bounces
+    /// among facets of one kind, so that a surface that is half metal reflects the mean of what metal and dielectric do (glTF 2.0, B.2); by the mean of their `f0`,
+    /// a white one would lose up to a sixth of it where it is rough.
+    pub(super) fn new(
+        (frame, o): (Frame, Vec3),
+        (roughness, energy): (f32, Reflected),
+        kinds: &[Facets],
+    ) -> Self {
         let (mut f0, mut f90) = (Vec3::ZERO, Vec3::ZERO);
         for kind in kinds {
             let factor = energy.compensation(kind.f0) * kind.share;

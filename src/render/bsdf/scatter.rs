@@ -38,7 +38,9 @@ impl Bsdf<'_> {
                 value += mirrors.reflectance(cosine) * white;
                 density += chance * lobe;
             };
-            add(&self.base, i, chances[BASE]);
+            if chances[BASE] > 0.0 {
+                add(&self.base, i, chances[BASE]);
+            }
             if let Some(coat) = &self.coat {
                 add(coat, coat.frame.to_local(to_light), chances[COAT]);
             }

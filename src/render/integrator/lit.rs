@@ -66,7 +66,7 @@ impl Lit {
             self.seen.push(Seen::Backdrop(backdrop));
             return;
         };
-        let surface = Surface::seen(stage, &mut tracer.facets, ray, hit, cone);
+        let surface = Surface::first_seen(stage, &mut tracer.facets, ray, hit, cone);
         let point = surface.material_point(stage);
         let before = self.shadows.len();
         if !point.is_unlit {

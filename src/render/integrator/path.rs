@@ -89,6 +89,9 @@ pub(super) fn shade(
             path.radiance += path.throughput * material.base_color;
             break;
         }
+        if depth > limits.max_depth.max(1) {
+            break;
+        }
         let view = -ray.direction.normalize_or(Vec3::NEG_Z);
         let own = surface.material(stage);
         let index = surface.material;
@@ -197,7 +200,9 @@ fn look_for_lights(
     let mut add = |tracer: &mut Tracer, incident: Incident| {
         let (value, density) = bsdf.evaluate(incident.direction);
         let share = limits.weight(incident.density, density, true);
-        if value == Vec3::ZERO || share <= 0.0 {
+        let worth = value.element_sum();
+        let counts = worth > 0.0 && worth.is_finite() && share > 0.0;
+        if !counts {
             return;
         }
         let shadow = shadow_ray_to(surface, &incident, depth);

@@ -13,6 +13,8 @@ use crate::scene::Scene;
 #[derive(Clone, Debug)]
 struct Emitter {
     triangle: Triangle,
+    /// Unit normal; `None` for a triangle that its placement squashed to a line.
+    normal: Option<Vec3>,
     uvs: [Vec2; 3],
     material: u32,
     area: f32,
@@ -91,7 +93,7 @@ impl Emitters {
         let weights = [1.0 - root, root * (1.0 - v), root * v];
         let [a, b, c] = *emitter.triangle.corners();
         let place = a * weights[0] + b * weights[1] + c * weights[2];
-        let normal = emitter.triangle.normal()?;
+        let normal = emitter.normal?;
         let to_light = place - point;
         let squared = to_light.length_squared();
         let direction = to_light / squared.sqrt();
@@ -130,7 +132,7 @@ impl Emitters {
         let Some(emitter) = self.emitters.get(index) else {
             return 0.0;
         };
-        let Some(normal) = emitter.triangle.normal() else {
+        let Some(normal) = emitter.normal else {
             return 0.0;
         };
         let to_light = place - point;
@@ -171,6 +173,7 @@ fn find(scene: &Scene, staged: &[StagedInstance]) -> (Vec<Emitter>, Vec<Run>) {
                 emitters.push(Emitter {
                     area: triangle.area(),
                     offset: staged.offset(&triangle),
+                    normal: triangle.normal(),
                     triangle,
                     uvs,
                     material: part.material,

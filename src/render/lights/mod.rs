@@ -87,6 +87,10 @@ impl Lights {
         mut choice: f32,
         worth: impl Fn(Vec3) -> f32,
     ) -> Option<Incident> {
+        if self.punctual.len() == 1 {
+            // There is no choice, whatever it is worth.
+            return self.punctual(point).next();
+        }
         // One pass: each light takes the place of the one kept so far with the chance that makes all of them right.
         let mut kept: Option<(Incident, f32)> = None;
         let mut total = 0.0;
