@@ -4,10 +4,10 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use bspray::accel::bsp::polygon::SceneTrees;
-use bspray::accel::extents::View;
+use bspray::accel::extents::{ExtentSphere, View};
 use bspray::accel::{Accelerator, AcceleratorKind};
 use bspray::picture;
-use bspray::render::{self, Environment, RenderOptions, Stage};
+use bspray::render::{self, Environment, Film, RenderOptions, Stage};
 use bspray::scene::{Camera, Scene};
 use serde_json::{Value, json};
 
@@ -47,7 +47,30 @@ enum Taken {
     Reported(Done),
 }
 
+/// A structure.
+struct Built {
+    accelerator: Box<dyn Accelerator>,
+    /// Which of the spheres it asks, and an overlay draws.
+    sphere: ExtentSphere,
+    seconds: f64,
+}
+
+/// A stage, and what it and everything before it took but loading.
+struct Staged<'s> {
+    stage: Stage<'s>,
+    sphere: ExtentSphere,
+    seconds: f64,
+}
+
 impl Shot {
+    /// What it is called while it is made.
+    fn name(&self) -> String {
+        match self.outputs.first() {
+            Some((path, _)) => path.display().to_string(),
+            None => "bspray".to_owned(),
+        }
+    }
+
     /// Whether a file of it has layers.
     pub(super) fn has_layers(&self) -> bool {
         self.outputs
@@ -59,15 +82,19 @@ impl Shot {
 impl Studio<'_> {
     /// Takes all pictures, and ends early with one that a signal left partial.
     pub(super) fn take(&self, shots: &[Shot]) -> anyhow::Result<Done> {
+        // Extents know the pixels of one camera; other structures know no camera, and serve all pictures.
+        let is_shared = self.args.accel != AcceleratorKind::Extents;
+        let first = shots.first().filter(|_| is_shared);
+        let built = first.map(|shot| self.build(shot)).transpose()?;
+        let staged = built.as_ref().map(|built| self.stage(built));
         let mut reports = Vec::new();
-        let mut accelerator = None;
         let mut done = Done::Completely;
         for shot in shots {
-            // Extents know the pixels of one camera; other structures know no camera.
-            if self.args.accel == AcceleratorKind::Extents {
-                accelerator = None;
-            }
-            match self.shoot(shot, &mut accelerator)? {
+            let taken = match &staged {
+                Some(staged) => self.shoot(shot, staged),
+                None => self.shoot(shot, &self.stage(&self.build(shot)?)),
+            };
+            match taken? {
                 Taken::Written(report, of_shot) => {
                     reports.push(report);
                     done = of_shot;
@@ -103,10 +130,38 @@ impl Studio<'_> {
         (camera, format!("{flags} {turn}"))
     }
 
-    fn stage<'s>(&'s self, accelerator: &'s dyn Accelerator) -> Stage<'s> {
+    /// What a picture's camera sees, with the arguments that give it.
+    fn view(&self, shot: &Shot) -> anyhow::Result<(View, String)> {
+        let (camera, flags) = self.camera(shot);
+        let radius = self.options.filter.radius();
+        let view = camera_args::view(&camera, self.options.size, radius)?;
+        let view = View {
+            camera: self.args.lens.add_to(view.camera, &camera),
+            ..view
+        };
+        Ok((view, flags))
+    }
+
+    /// The structure for a picture.
+    fn build(&self, shot: &Shot) -> anyhow::Result<Built> {
+        let (view, _) = self.view(shot)?;
+        let started = Instant::now();
+        let options = self.args.bsp.options(self.args.seed);
+        let options = self.args.extents.add_to(options, view);
+        let build = || self.args.accel.build_with(self.scene, &options);
+        Ok(Built {
+            accelerator: self.pool.install(build),
+            sphere: options.sphere,
+            seconds: started.elapsed().as_secs_f64(),
+        })
+    }
+
+    /// The scene made ready for shading.
+    fn stage<'s>(&'s self, built: &'s Built) -> Staged<'s> {
         let args = self.args;
+        let started = Instant::now();
         let sky = args.environment.sky_mode();
-        let new = || Stage::new(self.scene, accelerator, args.camera.up(), sky);
+        let new = || Stage::new(self.scene, &*built.accelerator, args.camera.up(), sky);
         let mut stage = self.pool.install(new).with_trees(self.trees.as_ref());
         if let Some(environment) = &self.environment {
             stage = stage.with_environment(Arc::clone(environment));
@@ -114,41 +169,25 @@ impl Studio<'_> {
         if args.environment.is_transparent() {
             stage = stage.without_backdrop();
         }
-        stage
+        Staged {
+            stage,
+            sphere: built.sphere,
+            seconds: self.before.build + built.seconds + started.elapsed().as_secs_f64(),
+        }
     }
 
-    fn shoot(
-        &self,
-        shot: &Shot,
-        accelerator: &mut Option<Box<dyn Accelerator>>,
-    ) -> anyhow::Result<Taken> {
-        let args = self.args;
-        let (camera, camera_flags) = self.camera(shot);
-        let radius = self.options.filter.radius();
-        let view: View = camera_args::view(&camera, self.options.size, radius)?;
-        let view = View {
-            camera: args.lens.add_to(view.camera, &camera),
-            ..view
-        };
-        let started = Instant::now();
-        let build_options = args.extents.add_to(args.bsp.options(args.seed), view);
-        let accelerator = &**accelerator.get_or_insert_with(|| {
-            self.pool
-                .install(|| args.accel.build_with(self.scene, &build_options))
-        });
-        let build = self.before.build + started.elapsed().as_secs_f64();
-        let stage = self.stage(accelerator);
+    /// Renders a picture.
+    fn shoot(&self, shot: &Shot, staged: &Staged) -> anyhow::Result<Taken> {
+        let (args, stage) = (self.args, &staged.stage);
+        let (view, camera_flags) = self.view(shot)?;
         if let Some(place) = args.pixel {
-            let done = pixel::run(&stage, &view.camera, &self.options, place, args.json)?;
+            let done = pixel::run(stage, &view.camera, &self.options, place, args.json)?;
             return Ok(Taken::Reported(done));
         }
 
         let window = self.options.window;
         let samples = window.area() * u64::from(self.options.samples);
-        let name = match shot.outputs.first() {
-            Some((path, _)) => path.display().to_string(),
-            None => "bspray".to_owned(),
-        };
+        let name = shot.name();
         if let Some(server) = &self.display {
             server.create(&name, self.options.size);
         }
@@ -157,9 +196,9 @@ impl Studio<'_> {
         let started = Instant::now();
         let film = self
             .pool
-            .install(|| render::render(&stage, &view.camera, &self.options, &watch));
+            .install(|| render::render(stage, &view.camera, &self.options, &watch));
         let seconds = Seconds {
-            build,
+            build: staged.seconds,
             render: started.elapsed().as_secs_f64(),
             ..self.before
         };
@@ -169,7 +208,7 @@ impl Studio<'_> {
             args_models: &args.input.models,
             scene: self.scene,
             accelerator: args.accel,
-            build: accelerator.build_stats(),
+            build: stage.accelerator.build_stats(),
             film: &film,
             options: &self.options,
             threads: self.pool.current_num_threads(),
@@ -185,55 +224,7 @@ impl Studio<'_> {
             output::message("interrupted before there was a picture; nothing is written");
             return Ok(Taken::Nothing);
         }
-        let overlay = self.pool.install(|| {
-            args.overlay
-                .draw(&stage, &view, window, build_options.sphere)
-        });
-        let note = overlay.as_ref().and_then(|o| args.overlay.note(&o.report));
-        if let Some(note) = note.filter(|_| !args.quiet) {
-            output::message(&note);
-        }
-        let denoised = args
-            .denoise
-            .then(|| self.pool.install(|| render::denoise(&film)));
-        if let Some(server) = &self.display {
-            server.finish(&name, window, light(&film, denoised.as_deref()));
-        }
-        // One output that cannot be written does not take the others with it.
-        let mut failures = shot.outputs.iter().filter_map(|(path, kind)| {
-            let written = self.pool.install(|| match kind {
-                OutputKind::Exr => {
-                    let layers = render::layers(&film, &view.camera);
-                    let layers = render::add_mattes(layers, &film, self.scene);
-                    let layers = match &denoised {
-                        Some(colors) => render::with_denoised(layers, colors),
-                        None => layers,
-                    };
-                    let layers = overlay.iter().fold(layers, |layers, o| o.add_to(layers));
-                    picture::exr::write(path, &metadata::add(layers, &summary))
-                }
-                OutputKind::Display => {
-                    let integrator = self.options.integrator;
-                    let is_cut_out = args.environment.is_transparent() && overlay.is_none();
-                    let denoised = denoised.as_deref();
-                    let raster = match picture::ldr::LdrFormat::of_path(path) {
-                        Ok(picture::ldr::LdrFormat::Png) if is_cut_out => {
-                            args.display.cut_out(&film, denoised, integrator)
-                        }
-                        _ => args
-                            .display
-                            .raster(&film, denoised, integrator, overlay.as_ref()),
-                    };
-                    picture::ldr::write(path, &raster)
-                }
-            });
-            written.err()
-        });
-        let failure = failures.next();
-        failures.for_each(|e| output::error(&e.into()));
-        if let Some(failure) = failure {
-            return Err(failure.into());
-        }
+        self.write(shot, staged, &view, &film, &summary)?;
         if !args.quiet {
             output::message(&summary.line());
         }
@@ -246,5 +237,64 @@ impl Studio<'_> {
             Done::Partially
         };
         Ok(Taken::Written(summary.value(), done))
+    }
+
+    /// Writes a picture's files, and shows it whole.
+    fn write(
+        &self,
+        shot: &Shot,
+        staged: &Staged,
+        view: &View,
+        film: &Film,
+        summary: &RenderSummary,
+    ) -> anyhow::Result<()> {
+        let args = self.args;
+        let overlay = self.pool.install(|| {
+            args.overlay
+                .draw(&staged.stage, view, film.window, staged.sphere)
+        });
+        let note = overlay.as_ref().and_then(|o| args.overlay.note(&o.report));
+        if let Some(note) = note.filter(|_| !args.quiet) {
+            output::message(&note);
+        }
+        let denoised = args
+            .denoise
+            .then(|| self.pool.install(|| render::denoise(film)));
+        if let Some(server) = &self.display {
+            server.finish(&shot.name(), film.window, light(film, denoised.as_deref()));
+        }
+        // One output that cannot be written does not take the others with it.
+        let mut failures = shot.outputs.iter().filter_map(|(path, kind)| {
+            let written = self.pool.install(|| match kind {
+                OutputKind::Exr => {
+                    let layers = render::layers(film, &view.camera);
+                    let layers = render::add_mattes(layers, film, self.scene);
+                    let layers = match &denoised {
+                        Some(colors) => render::with_denoised(layers, colors),
+                        None => layers,
+                    };
+                    let layers = overlay.iter().fold(layers, |layers, o| o.add_to(layers));
+                    picture::exr::write(path, &metadata::add(layers, summary))
+                }
+                OutputKind::Display => {
+                    let integrator = self.options.integrator;
+                    let is_cut_out = args.environment.is_transparent() && overlay.is_none();
+                    let denoised = denoised.as_deref();
+                    let raster = match picture::ldr::LdrFormat::of_path(path) {
+                        Ok(picture::ldr::LdrFormat::Png) if is_cut_out => {
+                            args.display.cut_out(film, denoised, integrator)
+                        }
+                        _ => args
+                            .display
+                            .raster(film, denoised, integrator, overlay.as_ref()),
+                    };
+                    picture::ldr::write(path, &raster)
+                }
+            });
+            written.err()
+        });
+        let failure = failures.next();
+        failures.for_each(|e| output::error(&e.into()));
+        failure.map_or(Ok(()), |failure| Err(failure.into()))
     }
 }

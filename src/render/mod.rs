@@ -31,6 +31,7 @@ mod texture;
 mod together;
 mod tracer;
 
+use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use rayon::prelude::*;
@@ -94,7 +95,7 @@ pub trait Observer: Sync {
     }
     /// Called after every tile, from any thread, with the number of samples it added.
     fn samples_done(&self, samples: u64);
-    /// Whether to end now, with the picture so far. Asked for every few pixels.
+    /// Whether to end now, with the picture so far. Asked after every sample.
     fn should_stop(&self) -> bool;
 }
 
@@ -152,14 +153,14 @@ pub fn render(
             tracer.covered = options.wants_layers.then(Vec::new);
             let mut together = Together::default();
             let mut added = 0;
-            for block in tile.rect.tiles(BLOCK) {
+            'tile: for block in tile.rect.tiles(BLOCK) {
                 for first in (done..end).step_by(TOGETHER as usize) {
                     if observer.should_stop() {
-                        break;
+                        break 'tile;
                     }
                     let samples = first..end.min(first + TOGETHER);
                     together.trace(&pixel, &mut tracer, &block, samples);
-                    together.finish(&pixel, &mut tracer, |tracer, (x, y), sample| {
+                    let go_on = together.finish(&pixel, &mut tracer, |tracer, (x, y), sample| {
                         let index = tile.rect.index(x, y);
                         let sum = &mut tile.sums[index];
                         sum.add(&sample);
@@ -173,7 +174,15 @@ pub fn render(
                             sum.cost += std::mem::take(cost);
                         }
                         added += 1;
+                        if observer.should_stop() {
+                            ControlFlow::Break(())
+                        } else {
+                            ControlFlow::Continue(())
+                        }
                     });
+                    if go_on.is_break() {
+                        break 'tile;
+                    }
                 }
             }
             tile.rays += tracer.rays;

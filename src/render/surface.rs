@@ -48,7 +48,7 @@ pub struct MaterialPoint {
     pub base_color: Vec3,
     /// Share of the light that the surface stops: 1 for opaque ones, 0 or 1 for masks.
     pub alpha: f32,
-    /// Emitted radiance.
+    /// Emitted radiance; none where the base colour is shown as it is.
     pub emission: Vec3,
     /// Whether the base colour is shown as it is.
     pub is_unlit: bool,
@@ -60,7 +60,13 @@ impl Surface {
         Self::on(stage, &StagedFacet::of(stage, hit), ray, hit)
     }
 
-    /// As [`Surface::at`] and [`Surface::seen_in`], with the triangles that were met last.
+    /// As [`Surface::at`], with the triangles that were met last.
+    #[inline(always)]
+    pub(super) fn kept(stage: &Stage, facets: &mut Facets, ray: &Ray, hit: Hit) -> Self {
+        Self::on(stage, facets.of(stage, hit), ray, hit)
+    }
+
+    /// As [`Surface::kept`], with what the cone of the ray covers.
     #[inline]
     pub(super) fn seen(
         stage: &Stage,
@@ -69,24 +75,8 @@ impl Surface {
         hit: Hit,
         cone: RayCone,
     ) -> Self {
-        let mut surface = Self::on(stage, facets.of(stage, hit), ray, hit);
+        let mut surface = Self::kept(stage, facets, ray, hit);
         surface.widen(ray, cone);
-        surface
-    }
-
-    /// As [`Surface::seen`], without the cone where no texture is looked up.
-    #[inline]
-    pub(super) fn first_seen(
-        stage: &Stage,
-        facets: &mut Facets,
-        ray: &Ray,
-        hit: Hit,
-        cone: RayCone,
-    ) -> Self {
-        let mut surface = Self::on(stage, facets.of(stage, hit), ray, hit);
-        if stage.is_textured[surface.material as usize] {
-            surface.widen(ray, cone);
-        }
         surface
     }
 
@@ -159,16 +149,9 @@ impl Surface {
         }
     }
 
-    /// The surface as seen along a ray that leaves its origin with a cone.
-    #[must_use]
-    #[inline]
-    pub fn seen_in(mut self, ray: &Ray, cone: RayCone) -> Self {
-        self.widen(ray, cone);
-        self
-    }
-
+    /// Takes the cone with which the ray left its origin for what is seen.
     #[inline(always)]
-    fn widen(&mut self, ray: &Ray, cone: RayCone) {
+    pub(super) fn widen(&mut self, ray: &Ray, cone: RayCone) {
         let length = ray.direction.length();
         let cone = cone.propagated(self.hit.t * length);
         let cosine = self.geometric_normal.dot(ray.direction) / length;
@@ -199,7 +182,7 @@ impl Surface {
     pub fn material_point(&self, stage: &Stage) -> MaterialPoint {
         let material = self.material(stage);
         let color = self.color(stage, material);
-        let emission = if material.emissive == Vec3::ZERO {
+        let emission = if material.emissive == Vec3::ZERO || material.unlit {
             Vec3::ZERO
         } else {
             let texel = self.texel(stage, material.emissive_texture, ColorSpace::Srgb);

@@ -106,11 +106,6 @@ fn level(texture: &TextureRef, size: (u32, u32), width_uv: f32) -> f32 {
     libm::log2f(width_uv) + 0.5 * libm::log2f(texels)
 }
 
-/// The texture's value at coordinates on its finest level, or white where its image has no pixels.
-pub(super) fn lookup(scene: &Scene, texture: &TextureRef, uv: Vec2, space: ColorSpace) -> Vec4 {
-    Textures::default().lookup(scene, texture, uv, space, 0.0)
-}
-
 /// The value at coordinates of the image by the texture's own filter.
 pub(super) fn bilinear(
     pixels: &Pixels,
@@ -161,6 +156,11 @@ fn wrapped(index: i64, size: u32, wrap: Wrap) -> u32 {
 mod tests {
     use super::*;
     use crate::scene::{Image, Texture};
+
+    /// The texture's value at coordinates on its finest level, or white where its image has no pixels.
+    fn lookup(scene: &Scene, texture: &TextureRef, uv: Vec2, space: ColorSpace) -> Vec4 {
+        Textures::default().lookup(scene, texture, uv, space, 0.0)
+    }
 
     /// A picture of 2 by 2: red is the column, green the row.
     fn scene(wrap: Wrap, filter: Filter) -> Scene {

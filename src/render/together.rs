@@ -1,7 +1,7 @@
 //! Samples of neighbouring pixels taken together: their eye rays go the same way, and cost about half of what they cost one by one; so do the shadow
 //! rays of [`Lit`].
 
-use std::ops::Range;
+use std::ops::{ControlFlow, Range};
 
 use super::PixelRenderer;
 use super::film::PixelRect;
@@ -56,22 +56,22 @@ impl Together {
         self.has_hits = traced.is_some();
     }
 
-    /// Sees the samples to their end: each goes to `done` with its pixel, those of a pixel in their order.
+    /// Sees the samples to their end: each goes to `done` with its pixel, those of a pixel in their order, until `done` says to stop.
     pub(super) fn finish<'a>(
         &mut self,
         pixel: &PixelRenderer,
         tracer: &mut Tracer<'a>,
-        mut done: impl FnMut(&mut Tracer<'a>, (u32, u32), Sample),
-    ) {
+        mut done: impl FnMut(&mut Tracer<'a>, (u32, u32), Sample) -> ControlFlow<()>,
+    ) -> ControlFlow<()> {
         let (stage, integrator, cone) = (pixel.stage, pixel.options.integrator, pixel.cone());
         let (places, samples) = (&self.places, self.samples);
         let all = self.rays.iter().zip(&mut self.samplers);
         if !self.has_hits {
             for (index, (ray, sampler)) in all.enumerate() {
                 let sample = pixel.finish(tracer, ray, sampler.clone(), cone);
-                done(tracer, places[index / samples], sample);
+                done(tracer, places[index / samples], sample)?;
             }
-            return;
+            return ControlFlow::Continue(());
         }
         let all = all.zip(&self.hits);
         if Lit::is_for(integrator, stage) {
@@ -79,15 +79,15 @@ impl Together {
             for ((ray, sampler), hit) in all {
                 self.lit.push(stage, tracer, (ray, *hit), cone, sampler);
             }
-            self.lit.finish(tracer, |tracer, index, sample| {
-                done(tracer, places[index / samples], sample);
+            return self.lit.finish(tracer, |tracer, index, sample| {
+                done(tracer, places[index / samples], sample)
             });
-            return;
         }
         for (index, ((ray, sampler), hit)) in all.enumerate() {
             let sample = integrator.sample(stage, tracer, (*ray, *hit), cone, sampler);
-            done(tracer, places[index / samples], sample);
+            done(tracer, places[index / samples], sample)?;
         }
+        ControlFlow::Continue(())
     }
 }
 

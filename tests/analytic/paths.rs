@@ -3,11 +3,13 @@
 use std::f64::consts::PI;
 
 use bspray::render::{Integrator, LightSearch, SkyMode};
-use bspray::scene::{Material, Part, Scene, Specular, Transmission, TriangleMesh, Volume};
-use glam::{DVec3, Vec3};
+use bspray::scene::{
+    AlphaMode, Material, Part, Scene, Specular, Transmission, TriangleMesh, Volume,
+};
+use glam::{DVec3, Vec3, Vec4};
 
 use super::scenes::{level, scene};
-use super::setup::{assert_sampled, down, matt, parallel, sampled_by};
+use super::setup::{assert_sampled, down, matt, parallel, sampled, sampled_by};
 
 /// Mean and standard error of the samples of a picture's one pixel under path tracing.
 fn traced(scene: &Scene, max_depth: u32, samples: u32) -> (DVec3, DVec3) {
@@ -114,26 +116,47 @@ fn a_room_that_glows_and_reflects_is_a_geometric_series() {
 /// The form factor of a disc-like small square over a plate (differential element to a parallel square: Howell's catalogue, B-4).
 #[test]
 fn a_small_emitter_lights_by_its_form_factor() {
+    let (scene, want) = square_emitter(0.25, 1.0);
+    // At depth 1 the light's own black surface adds nothing.
+    assert_sampled(traced(&scene, 1, 8192), want);
+}
+
+#[test]
+fn an_emitter_that_is_there_by_a_share_sends_that_share_of_its_light_however_it_is_found() {
+    let (scene, want) = square_emitter(1.0, 0.25);
+    for search in [
+        LightSearch::Both,
+        LightSearch::Lights,
+        LightSearch::Surfaces,
+    ] {
+        assert_sampled(traced_by(search, &scene, 1, 1 << 18), want);
+    }
+    assert_sampled(sampled(&scene, SkyMode::Off, 1 << 16), want);
+}
+
+/// A plate below a square of light of half the width `half` and the coverage `alpha`, and the radiance of the plate.
+fn square_emitter(half: f64, alpha: f32) -> (Scene, DVec3) {
     let radiance = DVec3::new(40.0, 20.0, 10.0);
     let color = Vec3::new(0.5, 0.25, 0.75);
-    let (half, height) = (0.25_f64, 1.5_f64);
+    let height = 1.5_f64;
     let side = [-half as f32, half as f32];
     let light = level(height as f32, side, side);
     let ground = level(0.0, [-7.0, 9.0], [-8.0, 6.0]);
-    let mut scene = scene([
-        (ground, lambert(color)),
-        (light, glowing(radiance.as_vec3())),
-    ]);
+    let glowing = Material {
+        base_color: Vec4::new(0.0, 0.0, 0.0, alpha),
+        alpha_mode: AlphaMode::Blend,
+        ..glowing(radiance.as_vec3())
+    };
+    let mut scene = scene([(ground, lambert(color)), (light, glowing)]);
     scene.cameras.push(down(0.0, 0.0, 1e-6));
     // Four times the factor of the quarter above whose corner the point lies.
     let a = half / height;
     let root = (1.0 + a * a).sqrt();
     let factor = 4.0 / (2.0 * PI) * 2.0 * (a / root * libm::atan(a / root));
-    // At depth 1 the light's own black surface adds nothing.
-    assert_sampled(
-        traced(&scene, 1, 8192),
-        radiance * color.as_dvec3() * factor,
-    );
+    (
+        scene,
+        radiance * color.as_dvec3() * factor * f64::from(alpha),
+    )
 }
 
 /// A slab of clear glass before a wall that glows: what is reflected at both faces, again and again, is lost, (1 - R) / (1 + R)

@@ -41,6 +41,8 @@ pub struct Bsdf<'a> {
     pub(super) solid_tint: Vec3,
     /// With which each lobe is chosen.
     pub(super) chances: [f32; LOBES],
+    /// What the coat mirrors in all.
+    pub(super) coat_albedo: Vec3,
     /// What coat and base mirror in all.
     pub(super) mirror_albedo: Vec3,
     /// What passes a thin wall in all.
@@ -62,7 +64,7 @@ impl<'a> Bsdf<'a> {
 
         // What the layers so far leave to those below.
         let mut below = 1.0;
-        let mut mirror_albedo = Vec3::ZERO;
+        let mut coat_albedo = Vec3::ZERO;
         let coat = (lobes.coat > 0.0).then(|| {
             let facets = Facets {
                 f0: Vec3::splat(Lobes::f0_of(COAT_IOR)),
@@ -75,7 +77,7 @@ impl<'a> Bsdf<'a> {
             let coat = Mirrors::new(seen, (roughness, energy), &[facets]);
             let albedo = facets.albedo(energy);
             chances[COAT] = albedo.x;
-            mirror_albedo += albedo;
+            coat_albedo = albedo;
             below -= albedo.x;
             coat
         });
@@ -123,7 +125,7 @@ impl<'a> Bsdf<'a> {
         chances[THIN] = thin.max_element();
         chances[SOLID] = solid_share;
         let solid_tint = lobes.base_color;
-        mirror_albedo += base_albedo;
+        let mirror_albedo = coat_albedo + base_albedo;
         diffuse_albedo += diffuse;
 
         let total: f32 = chances.iter().sum();
@@ -151,6 +153,7 @@ impl<'a> Bsdf<'a> {
             solid_share,
             solid_tint,
             chances,
+            coat_albedo,
             mirror_albedo,
             thin_albedo: thin,
             diffuse_albedo,

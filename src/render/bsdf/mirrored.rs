@@ -5,11 +5,15 @@ use glam::Vec3;
 use super::fresnel;
 use super::layers::Bsdf;
 
-/// The directions of a smooth surface, each with the share of light that comes from it.
+/// The directions of a smooth surface, and the shares of light that come from them.
 #[derive(Clone, Copy, Debug)]
 pub struct Mirrored {
-    /// To what is mirrored.
-    pub reflection: (Vec3, Vec3),
+    /// To what the base mirrors.
+    pub reflection: Vec3,
+    /// Of the light from there, what the base's rough mirrors send on.
+    pub base: Vec3,
+    /// The same of the clear coat and the interface of solid glass.
+    pub clear: Vec3,
     /// To what is seen through the surface.
     pub refraction: Option<(Vec3, Vec3)>,
 }
@@ -19,11 +23,11 @@ impl Bsdf<'_> {
     pub fn mirrored(&self) -> Mirrored {
         let normal = self.normals.shading;
         let cosine = self.o.z;
-        let mut mirror = self.mirror_albedo;
+        let mut clear = self.coat_albedo;
         let mut refraction = None;
         if let Some(solid) = self.solid {
             let (reflected, refracted) = fresnel::dielectric(cosine, solid.eta);
-            mirror += Vec3::splat(reflected * self.solid_share);
+            clear += Vec3::splat(reflected * self.solid_share);
             refraction = refracted.map(|behind| {
                 let along = normal * (cosine / solid.eta - behind) - self.view / solid.eta;
                 let share = self.solid_tint * ((1.0 - reflected) * self.solid_share);
@@ -34,7 +38,9 @@ impl Bsdf<'_> {
         }
         let reflection = normal * (2.0 * normal.dot(self.view)) - self.view;
         Mirrored {
-            reflection: (reflection.normalize(), mirror),
+            reflection: reflection.normalize(),
+            base: self.mirror_albedo - self.coat_albedo,
+            clear,
             refraction,
         }
     }
@@ -63,8 +69,8 @@ mod tests {
         let view = Vec3::new(0.6, 0.8, 0.0);
         let bsdf = Bsdf::new(&lobes, Normals::all(Vec3::Y), view, Some(solid));
         let mirrored = bsdf.mirrored();
-        let (direction, share) = mirrored.reflection;
-        assert!((direction - Vec3::new(-0.6, 0.8, 0.0)).length() < 1e-6);
+        let share = mirrored.base + mirrored.clear;
+        assert!((mirrored.reflection - Vec3::new(-0.6, 0.8, 0.0)).length() < 1e-6);
         let (through, passed) = mirrored.refraction.expect("glass is seen through");
         // Snell: the sine of 0.6 becomes 0.4.
         assert!((through - Vec3::new(-0.4, -(0.84_f32.sqrt()), 0.0)).length() < 1e-6);

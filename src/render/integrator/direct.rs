@@ -78,10 +78,7 @@ pub(super) fn lights(
         // Three numbers: the choice of the triangle, and the point on it.
         let choice = sampler.next_1d();
         let point = sampler.next_2d();
-        if let Some(incident) = stage
-            .lights
-            .emitter(stage.scene, surface.position, choice, point)
-        {
+        if let Some(incident) = stage.lights.emitter(stage, surface.position, choice, point) {
             add(incident);
         }
     }

@@ -1,5 +1,7 @@
 //! Direct light of many samples: all their shadow rays are traced together. Every number is the same as one by one.
 
+use std::ops::ControlFlow;
+
 use glam::Vec3;
 
 use super::direct::{self, Arriving};
@@ -66,7 +68,11 @@ impl Lit {
             self.seen.push(Seen::Backdrop(backdrop));
             return;
         };
-        let surface = Surface::first_seen(stage, &mut tracer.facets, ray, hit, cone);
+        let mut surface = Surface::kept(stage, &mut tracer.facets, ray, hit);
+        // No further ray takes the cone over.
+        if stage.is_textured[surface.material as usize] {
+            surface.widen(ray, cone);
+        }
         let point = surface.material_point(stage);
         let before = self.shadows.len();
         if !point.is_unlit {
@@ -84,12 +90,12 @@ impl Lit {
         });
     }
 
-    /// Traces the shadow rays; each sample in its order, with the tracer, goes to `done`.
+    /// Traces the shadow rays; each sample in its order, with the tracer, goes to `done`, until that says to stop.
     pub(in super::super) fn finish<'a>(
         &mut self,
         tracer: &mut Tracer<'a>,
-        mut done: impl FnMut(&mut Tracer<'a>, usize, Sample),
-    ) {
+        mut done: impl FnMut(&mut Tracer<'a>, usize, Sample) -> ControlFlow<()>,
+    ) -> ControlFlow<()> {
         if (tracer.any_together(&self.shadows, &mut self.hits, RayKind::Shadow)).is_none() {
             let any = |ray| tracer.any(ray, RayKind::Shadow);
             self.hits.clear();
@@ -116,7 +122,8 @@ impl Lit {
                     tracer.cover(*instance, *material, 1.0);
                 }
             }
-            done(tracer, index, sample);
+            done(tracer, index, sample)?;
         }
+        ControlFlow::Continue(())
     }
 }

@@ -219,7 +219,7 @@ fn look_for_lights(
     if lights.has_emitters() {
         let choice = sampler.next_1d();
         let place = sampler.next_2d();
-        if let Some(incident) = lights.emitter(stage.scene, surface.position, choice, place) {
+        if let Some(incident) = lights.emitter(stage, surface.position, choice, place) {
             add(tracer, incident);
         }
     }

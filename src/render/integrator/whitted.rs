@@ -96,14 +96,12 @@ impl Whitted<'_, '_, '_> {
         direct += bsdf.diffuse_albedo() * ambient(normal) * occlusion;
 
         let mirrored = bsdf.mirrored();
-        let (direction, share) = mirrored.reflection;
+        let direction = mirrored.reflection;
         let smoothness = (1.0 - lobes.roughness / MATT_MIRROR).clamp(0.0, 1.0);
-        let sharp = if lobes.coat > 0.0 || own.is_solid() {
-            1.0
-        } else {
-            smoothness * smoothness
-        };
-        direct += share * ambient(direction) * ((1.0 - sharp) * occlusion);
+        // Coats and glass are taken as smooth: they are what is seen in them.
+        let sharp = mirrored.clear + mirrored.base * (smoothness * smoothness);
+        let blurred = mirrored.base + mirrored.clear - sharp;
+        direct += blurred * ambient(direction) * occlusion;
         let cone = surface.cone;
         let mut send = |direction, kind, media, share| {
             let from = surface.origin_towards(direction);
@@ -114,7 +112,7 @@ impl Whitted<'_, '_, '_> {
             };
             self.send((ray, cone), kind, media, share, weight)
         };
-        let mut indirect = send(direction, RayKind::Reflection, media, share * sharp);
+        let mut indirect = send(direction, RayKind::Reflection, media, sharp);
         if let Some((direction, share)) = mirrored.refraction {
             let behind = if own.is_solid() {
                 media.behind(own, index, surface.is_front)
@@ -165,7 +163,7 @@ impl Whitted<'_, '_, '_> {
         if lights.has_emitters() {
             let choice = self.sampler.next_1d();
             let place = self.sampler.next_2d();
-            all.extend(lights.emitter(self.stage.scene, point, choice, place));
+            all.extend(lights.emitter(self.stage, point, choice, place));
         }
         if let Some(environment) = &self.stage.environment {
             let found = environment.sample_sun(self.sampler.next_2d());

@@ -1,12 +1,12 @@
 //! Triangles that emit light.
 
-use glam::{Vec2, Vec3};
+use glam::Vec3;
 
 use super::Incident;
 use crate::accel::Hit;
-use crate::geometry::Triangle;
-use crate::render::stage::StagedInstance;
-use crate::render::texture::{ColorSpace, lookup};
+use crate::geometry::{Ray, Triangle};
+use crate::render::stage::{Stage, StagedInstance};
+use crate::render::surface::Surface;
 use crate::scene::Scene;
 
 /// One of them, in world space.
@@ -15,11 +15,30 @@ struct Emitter {
     triangle: Triangle,
     /// Unit normal; `None` for a triangle that its placement squashed to a line.
     normal: Option<Vec3>,
-    uvs: [Vec2; 3],
+    /// The instance, and the triangle's number in its mesh.
+    name: (u32, u32),
     material: u32,
     area: f32,
     /// How far before the triangle a ray must end so as not to meet it, in model units.
     offset: f32,
+}
+
+impl Emitter {
+    /// Radiance back along a ray that reaches a point of the triangle at its end, where the triangle covers all of it or a share.
+    fn radiance(&self, stage: &Stage, ray: &Ray) -> Vec3 {
+        let material = &stage.scene.materials[self.material as usize];
+        if !stage.is_textured[self.material as usize] && !material.has_alpha() {
+            return material.emissive;
+        }
+        let (instance, triangle) = self.name;
+        let hit = Hit {
+            t: 1.0,
+            instance,
+            triangle,
+        };
+        let point = Surface::at(stage, ray, hit).material_point(stage);
+        point.emission * point.alpha
+    }
 }
 
 /// A run of triangles of an instance that emit.
@@ -27,6 +46,7 @@ struct Emitter {
 struct Run {
     instance: u32,
     first_triangle: u32,
+    triangle_count: u32,
     first_emitter: u32,
 }
 
@@ -79,7 +99,7 @@ impl Emitters {
     /// Light from a point of an emitter, chosen with the numbers given. There must be emitters.
     pub(super) fn sample(
         &self,
-        scene: &Scene,
+        stage: &Stage,
         point: Vec3,
         choice: f32,
         [u, v]: [f32; 2],
@@ -99,17 +119,11 @@ impl Emitters {
         let direction = to_light / squared.sqrt();
         let facing = direction.dot(normal);
         let target = place - normal * emitter.offset.copysign(facing);
-        let material = &scene.materials[emitter.material as usize];
-        let texel = material.emissive_texture.map_or(Vec3::ONE, |texture| {
-            let [a, b, c] = emitter.uvs;
-            let uv = a * weights[0] + b * weights[1] + c * weights[2];
-            lookup(scene, &texture, uv, ColorSpace::Srgb).truncate()
-        });
         let density = squared * self.chance(index) / (facing.abs() * emitter.area);
         Incident {
             direction,
             target: Some(target),
-            irradiance: material.emissive * texel / density,
+            irradiance: emitter.radiance(stage, &Ray::new(point, to_light)) / density,
             density,
         }
         .if_lit()
@@ -124,14 +138,12 @@ impl Emitters {
         let Some(run) = after.checked_sub(1).map(|i| &self.runs[i]) else {
             return 0.0;
         };
-        if run.instance != hit.instance {
+        let place_in_run = hit.triangle - run.first_triangle;
+        if run.instance != hit.instance || place_in_run >= run.triangle_count {
             return 0.0;
         }
-        // The triangles between two runs of an instance emit nothing: they are not asked about.
-        let index = (run.first_emitter + hit.triangle - run.first_triangle) as usize;
-        let Some(emitter) = self.emitters.get(index) else {
-            return 0.0;
-        };
+        let index = (run.first_emitter + place_in_run) as usize;
+        let emitter = &self.emitters[index];
         let Some(normal) = emitter.normal else {
             return 0.0;
         };
@@ -154,28 +166,19 @@ fn find(scene: &Scene, staged: &[StagedInstance]) -> (Vec<Emitter>, Vec<Run>) {
             runs.push(Run {
                 instance: index as u32,
                 first_triangle: part.first_triangle,
+                triangle_count: part.triangle_count,
                 first_emitter: emitters.len() as u32,
             });
-            let uv_set = material
-                .emissive_texture
-                .and_then(|t| mesh.uv_sets.get(t.uv_set as usize));
-            for corners in
-                &mesh.triangles[part.first_triangle as usize..][..part.triangle_count as usize]
-            {
+            for number in part.first_triangle..part.first_triangle + part.triangle_count {
+                let corners = mesh.triangles[number as usize];
                 let [a, b, c] = corners.map(|v| instance.world_point(mesh.positions[v as usize]));
                 let triangle = Triangle::new(a, b, c);
-                let uvs = corners.map(|v| {
-                    uv_set
-                        .and_then(|s| s.get(v as usize))
-                        .copied()
-                        .unwrap_or(Vec2::ZERO)
-                });
                 emitters.push(Emitter {
                     area: triangle.area(),
                     offset: staged.offset(&triangle),
                     normal: triangle.normal(),
                     triangle,
-                    uvs,
+                    name: (index as u32, number),
                     material: part.material,
                 });
             }

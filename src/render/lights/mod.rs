@@ -7,7 +7,7 @@ use glam::Vec3;
 
 use self::emitters::Emitters;
 use super::environment::EnvironmentSample;
-use super::stage::StagedInstance;
+use super::stage::{Stage, StagedInstance};
 use crate::accel::Hit;
 use crate::scene::{Light, LightKind, Scene};
 
@@ -96,7 +96,8 @@ impl Lights {
         let mut total = 0.0;
         for incident in self.punctual(point) {
             let weight = incident.irradiance.element_sum() * worth(incident.direction);
-            if weight <= 0.0 {
+            let counts = weight > 0.0 && weight.is_finite();
+            if !counts {
                 continue;
             }
             total += weight;
@@ -116,12 +117,12 @@ impl Lights {
     /// Light from a point of an emissive triangle, chosen by power with the numbers given. There must be emitters.
     pub(super) fn emitter(
         &self,
-        scene: &Scene,
+        stage: &Stage,
         point: Vec3,
         choice: f32,
         place: [f32; 2],
     ) -> Option<Incident> {
-        self.emitters.sample(scene, point, choice, place)
+        self.emitters.sample(stage, point, choice, place)
     }
 
     /// The density with which [`Lights::emitter`] chooses the direction from `point` to a hit at `place` on an emitter.
