@@ -18,6 +18,7 @@ mod lights;
 mod lobes;
 mod mikktspace;
 mod mipmap;
+mod motion;
 mod overlay;
 mod partition;
 mod ray_cone;
@@ -45,6 +46,7 @@ pub use filter::PixelFilter;
 pub use framing::{CameraWishes, DEFAULT_VIEW_ANGLE, frame_scene};
 pub use integrator::{Integrator, LightSearch, MOST_STEPS, Sample};
 pub use lights::Lights;
+pub use motion::{MotionFrame, add_motion};
 pub use overlay::{Overlay, OverlayOptions, OverlayReport};
 pub use partition::FragmentPoint;
 pub use ray_cone::{RayCone, uv_per_length};
@@ -271,6 +273,7 @@ impl PixelRenderer<'_> {
             position: surface.position,
             shading_normal: surface.shading_normal,
             geometric_normal: surface.geometric_normal,
+            barycentric: surface.barycentric,
             uv: surface.uv,
             albedo: material.base_color,
             fragment: FragmentPoint::at(self.stage, &surface),
