@@ -14,6 +14,7 @@ mod film;
 mod filter;
 mod framing;
 mod integrator;
+mod layered;
 mod lights;
 mod lobes;
 mod mikktspace;
@@ -37,7 +38,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use rayon::prelude::*;
 
-pub use aov::{LAYERS, Layer, NOTHING, PARTITION_LAYERS, layers};
+pub use aov::{LAYERS, Layer, NOTHING, PARTITION_LAYERS};
 pub use cryptomatte::{MatteKind, add_mattes, matte_id};
 pub use denoise::{denoise, with_denoised};
 pub use environment::{Daylight, Environment, EnvironmentSample};
@@ -45,6 +46,7 @@ pub use film::{Film, FirstHit, LayerSum, Pixel, PixelRect, PixelSum};
 pub use filter::PixelFilter;
 pub use framing::{CameraWishes, DEFAULT_VIEW_ANGLE, frame_scene};
 pub use integrator::{Integrator, LightSearch, MOST_STEPS, Sample};
+pub use layered::layers;
 pub use lights::Lights;
 pub use motion::{MotionFrame, add_motion};
 pub use overlay::{Overlay, OverlayOptions, OverlayReport};
