@@ -11,6 +11,9 @@ use super::UsageError;
 use super::files::{self, OutputKind};
 use super::values;
 
+/// Frames a second of film, if nothing else is said.
+const DEFAULT_RATE: f32 = 24.0;
+
 /// Looking around.
 #[derive(Args, Debug)]
 #[command(next_help_heading = "Looking around")]
@@ -22,6 +25,9 @@ pub(super) struct FrameArgs {
     /// Which of the turntable's frames, such as 1-3,5,7-20:2 (from 7 to 20 every second) [default: all]
     #[arg(long, value_name = "LIST", requires = "turntable")]
     frames: Option<FrameList>,
+    /// Frames a second of the film to which the picture at --animation-time belongs: for the motion vectors of .exr files [default: 24]
+    #[arg(long, value_name = "RATE", value_parser = values::positive, requires = "animation_index", conflicts_with = "turntable")]
+    fps: Option<f32>,
 }
 
 /// A picture to be made.
@@ -43,9 +49,15 @@ pub(super) struct Turn {
 }
 
 impl Turn {
-    /// How far the camera has gone around, in radians.
-    pub(super) fn angle(self) -> f64 {
-        std::f64::consts::TAU * f64::from(self.frame - 1) / f64::from(self.count)
+    /// How far the camera has gone around, in radians, `later` frames after this one.
+    pub(super) fn angle(self, later: f64) -> f64 {
+        let gone = f64::from(self.frame - 1) + later;
+        std::f64::consts::TAU * gone / f64::from(self.count)
+    }
+
+    /// Whether the camera moves at all.
+    pub(super) fn moves(self) -> bool {
+        self.count > 1
     }
 }
 
@@ -57,6 +69,23 @@ impl fmt::Display for Turn {
 }
 
 impl FrameArgs {
+    /// Whether the camera goes around. The models keep their pose then.
+    pub(super) fn is_turntable(&self) -> bool {
+        self.turntable.is_some()
+    }
+
+    /// Seconds from one frame of an animation to the next.
+    ///
+    /// # Errors
+    /// The frame rate is given, but no picture has layers.
+    pub(super) fn step(&self, has_layers: bool) -> anyhow::Result<f64> {
+        if self.fps.is_some() && !has_layers {
+            let words = "--fps: only .exr files have motion vectors: add one with --output";
+            bail!(UsageError(words.to_owned()));
+        }
+        Ok(1.0 / f64::from(self.fps.unwrap_or(DEFAULT_RATE)))
+    }
+
     /// All pictures that are asked for, with their files, which can be written.
     pub(super) fn shots(
         &self,
@@ -214,8 +243,10 @@ mod tests {
 
     #[test]
     fn a_circle_begins_at_nothing_and_does_not_close() {
-        let angle = |frame| Turn { frame, count: 8 }.angle();
+        let angle = |frame| Turn { frame, count: 8 }.angle(0.0);
         assert!(angle(1) == 0.0 && (angle(3) - std::f64::consts::FRAC_PI_2).abs() < 1e-15);
         assert!(angle(8) < std::f64::consts::TAU);
+        let before = Turn { frame: 1, count: 8 }.angle(-1.0);
+        assert!((before + std::f64::consts::FRAC_PI_4).abs() < 1e-15);
     }
 }

@@ -19,6 +19,7 @@ mod ladder;
 mod lens_args;
 mod metadata;
 mod model_args;
+mod motion;
 mod numbers;
 mod output;
 mod overlay_args;

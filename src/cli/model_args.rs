@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use anyhow::bail;
-use bspray::import::{ImportOptions, Moment, load_with};
+use bspray::import::{ImportOptions, Moment, load_with, load_with_neighbors};
 use bspray::scene::Scene;
 use clap::Args;
 
@@ -44,6 +44,19 @@ impl ModelArgs {
         Ok(load_with(&self.models, &self.options()?)?)
     }
 
+    /// Loads the models as one scene, and where everything is `step` seconds before and after, if a moment of an animation is shown.
+    pub(super) fn load_with_neighbors(
+        &self,
+        step: f64,
+    ) -> anyhow::Result<(Scene, Option<[Scene; 2]>)> {
+        let options = self.options()?;
+        let Some(moment) = options.moment else {
+            return Ok((load_with(&self.models, &options)?, None));
+        };
+        let (scene, neighbors) = load_with_neighbors(&self.models, &options, moment, step)?;
+        Ok((scene, Some(neighbors)))
+    }
+
     fn options(&self) -> anyhow::Result<ImportOptions> {
         let moment = match (self.animation_index, self.animation_time) {
             (Some(animation), seconds) => Some(Moment {
@@ -61,6 +74,7 @@ impl ModelArgs {
             moment,
             crease_angle: self.crease_angle,
             memory_limit: self.memory_limit,
+            geometry_only: false,
         })
     }
 }

@@ -19,6 +19,7 @@ use super::files;
 use super::frames::{FrameArgs, Shot};
 use super::lens_args::LensArgs;
 use super::model_args::ModelArgs;
+use super::motion::{self, Neighbors};
 use super::overlay_args::OverlayArgs;
 use super::shot::Studio;
 use super::summary::Seconds;
@@ -39,7 +40,7 @@ pub(super) struct RenderArgs {
     output: Vec<PathBuf>,
     /// Width and height of the picture, in pixels
     #[arg(long, value_name = "WxH", value_parser = values::resolution, default_value = "1280x720")]
-    resolution: (u32, u32),
+    pub(super) resolution: (u32, u32),
     /// Samples a pixel; with --time-limit the most of them [default: 16, or with --time-limit 1048576]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=values::MOST_SAMPLES))]
     spp: Option<u32>,
@@ -204,7 +205,7 @@ pub(super) fn run(args: &RenderArgs) -> anyhow::Result<Done> {
         .map(|address| Server::connect(address, args.quiet))
         .transpose()?;
     let started = Instant::now();
-    let mut scene = args.input.load()?;
+    let (mut scene, neighbors) = motion::load(&args.input, &args.frames, has_layers)?;
     let environment = args.environment.environment(args.camera.up())?;
     // So that it is not written over.
     scene
@@ -219,6 +220,7 @@ pub(super) fn run(args: &RenderArgs) -> anyhow::Result<Done> {
     let camera = args
         .lens
         .project(args.camera.choose(&scene, args.resolution)?);
+    let neighbors = neighbors.map(|n| Neighbors::new(args, n)).transpose()?;
     let camera_flags =
         camera_args::as_flags(&camera, &scene, args.camera.up()) + &args.lens.as_flags();
     if !args.quiet {
@@ -261,6 +263,7 @@ pub(super) fn run(args: &RenderArgs) -> anyhow::Result<Done> {
         scene: &scene,
         environment,
         camera,
+        neighbors,
         camera_flags,
         trees,
         options,

@@ -13,7 +13,8 @@ use serde_json::{Value, json};
 
 use super::display::light;
 use super::files::OutputKind;
-use super::frames::Shot;
+use super::frames::{Shot, Turn};
+use super::motion::{Around, Neighbors};
 use super::render::RenderArgs;
 use super::summary::{RenderSummary, Seconds};
 use super::tev::Server;
@@ -27,6 +28,8 @@ pub(super) struct Studio<'a> {
     pub(super) environment: Option<Arc<Environment>>,
     /// Where the first picture is taken from.
     pub(super) camera: Camera,
+    /// The moments of an animation beside this one, for motion vectors.
+    pub(super) neighbors: Option<Neighbors>,
     pub(super) camera_flags: String,
     pub(super) trees: Option<SceneTrees>,
     pub(super) options: RenderOptions,
@@ -124,10 +127,27 @@ impl Studio<'_> {
         let Some(turn) = shot.turn else {
             return (self.camera.clone(), flags);
         };
+        (self.turned(turn, 0.0), format!("{flags} {turn}"))
+    }
+
+    /// The camera of a turntable, `later` frames after a place on it.
+    fn turned(&self, turn: Turn, later: f64) -> Camera {
         let middle = self.scene.bounds().center().as_dvec3();
         let axis = self.args.camera.up().as_dvec3();
-        let camera = self.camera.turned_around(middle, axis, turn.angle());
-        (camera, format!("{flags} {turn}"))
+        self.camera.turned_around(middle, axis, turn.angle(later))
+    }
+
+    /// The frames beside a picture, if it is one of several.
+    fn around(&self, shot: &Shot) -> anyhow::Result<Option<Around<'_>>> {
+        let (scenes, cameras) = match (shot.turn, &self.neighbors) {
+            (Some(turn), _) if turn.moves() => {
+                let cameras = [-1.0, 1.0].map(|later| self.turned(turn, later));
+                ([self.scene; 2], cameras)
+            }
+            (None, Some(neighbors)) => (neighbors.scenes.each_ref(), neighbors.cameras.clone()),
+            _ => return Ok(None),
+        };
+        Around::new(scenes, &cameras, self.options.size).map(Some)
     }
 
     /// What a picture's camera sees, with the arguments that give it.
@@ -263,12 +283,17 @@ impl Studio<'_> {
         if let Some(server) = &self.display {
             server.finish(&shot.name(), film.window, light(film, denoised.as_deref()));
         }
+        let around = self.around(shot)?;
         // One output that cannot be written does not take the others with it.
         let mut failures = shot.outputs.iter().filter_map(|(path, kind)| {
             let written = self.pool.install(|| match kind {
                 OutputKind::Exr => {
                     let layers = render::layers(film, &view.camera);
                     let layers = render::add_mattes(layers, film, self.scene);
+                    let layers = match &around {
+                        Some(around) => around.add_to(layers, film, self.scene, &view.camera),
+                        None => layers,
+                    };
                     let layers = match &denoised {
                         Some(colors) => render::with_denoised(layers, colors),
                         None => layers,

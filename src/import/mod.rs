@@ -106,6 +106,9 @@ pub struct ImportOptions {
     /// Most memory that reading all the files may take, in bytes, estimated from what they claim before it is allocated. `None`: three
     /// quarters of the machine's memory, or no limit where that is not known.
     pub memory_limit: Option<u64>,
+    /// Read only where things are: all materials are plain ones without textures, faces of glTF files are not smoothed, and no broken triangle of theirs is dropped, so that
+    /// two moments of an animation have the same triangles.
+    pub geometry_only: bool,
 }
 
 /// A moment of an animation.
@@ -151,13 +154,54 @@ pub fn load(files: &[PathBuf]) -> Result<Scene, ImportError> {
 /// assert!(error.unwrap_err().to_string().ends_with("variant \"red\": is not there: the file has none"));
 /// ```
 pub fn load_with(files: &[PathBuf], options: &ImportOptions) -> Result<Scene, ImportError> {
+    load_all(files, options, &mut 0)
+}
+
+/// Reads several files into one scene at a moment of an animation, as [`load_with`] does, and their geometry (see [`ImportOptions::geometry_only`]) at the moments `step` seconds before
+/// and after it. All three share one memory limit.
+///
+/// # Errors
+/// As [`load_with`], also for the moments beside.
+pub fn load_with_neighbors(
+    files: &[PathBuf],
+    options: &ImportOptions,
+    moment: Moment,
+    step: f64,
+) -> Result<(Scene, [Scene; 2]), ImportError> {
+    let mut used = 0;
+    let now = ImportOptions {
+        moment: Some(moment),
+        ..options.clone()
+    };
+    let scene = load_all(files, &now, &mut used)?;
+    let mut beside = |step: f64| {
+        let moment = Moment {
+            seconds: moment.seconds + step,
+            ..moment
+        };
+        let options = ImportOptions {
+            moment: Some(moment),
+            geometry_only: true,
+            ..options.clone()
+        };
+        load_all(files, &options, &mut used)
+    };
+    let neighbors = [beside(-step)?, beside(step)?];
+    Ok((scene, neighbors))
+}
+
+/// Reads several files, of whose memory `used` bytes are gone, and then more.
+fn load_all(
+    files: &[PathBuf],
+    options: &ImportOptions,
+    used: &mut u64,
+) -> Result<Scene, ImportError> {
     let mut scene = Scene::default();
     let (mut has_animations, mut has_variants) = (false, false);
     let limit = options.memory_limit.unwrap_or_else(budget::default_limit);
-    let mut used = 0;
     for file in files {
-        let (read, used_with_it) = load_file(file, options, limit, used)?;
-        used = used_with_it;
+        let (read, used_with_it) = load_file(file, options, limit, *used)?;
+        *used = used_with_it;
         // A file may bring light or a view to the models of the others.
         let brings_more = !read.scene.lights.is_empty() || !read.scene.cameras.is_empty();
         if files.len() == 1 || !brings_more || !read.scene.defects.is_empty() {

@@ -81,6 +81,8 @@ pub struct FirstHit {
     pub shading_normal: Vec3,
     /// Geometric normal, in world space, towards the eye.
     pub geometric_normal: Vec3,
+    /// Weights of the triangle's second and third corner.
+    pub barycentric: (f32, f32),
     /// First set of texture coordinates.
     pub uv: Vec2,
     /// Linear base colour.

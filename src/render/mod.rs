@@ -14,10 +14,12 @@ mod film;
 mod filter;
 mod framing;
 mod integrator;
+mod layered;
 mod lights;
 mod lobes;
 mod mikktspace;
 mod mipmap;
+mod motion;
 mod overlay;
 mod partition;
 mod ray_cone;
@@ -36,7 +38,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use rayon::prelude::*;
 
-pub use aov::{LAYERS, Layer, NOTHING, PARTITION_LAYERS, layers};
+pub use aov::{LAYERS, Layer, NOTHING, PARTITION_LAYERS};
 pub use cryptomatte::{MatteKind, add_mattes, matte_id};
 pub use denoise::{denoise, with_denoised};
 pub use environment::{Daylight, Environment, EnvironmentSample};
@@ -44,7 +46,9 @@ pub use film::{Film, FirstHit, LayerSum, Pixel, PixelRect, PixelSum};
 pub use filter::PixelFilter;
 pub use framing::{CameraWishes, DEFAULT_VIEW_ANGLE, frame_scene};
 pub use integrator::{Integrator, LightSearch, MOST_STEPS, Sample};
+pub use layered::layers;
 pub use lights::Lights;
+pub use motion::{MotionFrame, add_motion};
 pub use overlay::{Overlay, OverlayOptions, OverlayReport};
 pub use partition::FragmentPoint;
 pub use ray_cone::{RayCone, uv_per_length};
@@ -271,6 +275,7 @@ impl PixelRenderer<'_> {
             position: surface.position,
             shading_normal: surface.shading_normal,
             geometric_normal: surface.geometric_normal,
+            barycentric: surface.barycentric,
             uv: surface.uv,
             albedo: material.base_color,
             fragment: FragmentPoint::at(self.stage, &surface),

@@ -108,6 +108,7 @@ impl<'a> Stage<'a> {
             }
         };
         let instances: Vec<_> = scene.instances.iter().enumerate().map(staged).collect();
+        let textures = Textures::new(scene);
         let is_lit = !scene.lights.is_empty() || scene.has_constant_emission();
         let wants_sky = match sky {
             SkyMode::Auto => !is_lit || has_directional(scene),
@@ -122,8 +123,8 @@ impl<'a> Stage<'a> {
             accelerator,
             environment,
             hides_environment: false,
-            lights: Lights::new(scene, &instances),
-            textures: Textures::new(scene),
+            lights: Lights::new(scene, &instances, &textures),
+            textures,
             diagonal: scene.bounds().diagonal(),
             has_alpha: scene.materials.iter().any(|m| m.has_alpha()),
             has_transmission: scene.materials.iter().any(|m| m.transmission.is_some()),

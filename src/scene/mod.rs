@@ -2,6 +2,7 @@
 //! textures, lights and cameras. A [`Scene`] never changes once built.
 
 mod camera;
+mod camera_frame;
 mod defect;
 mod environment;
 mod instance;
@@ -11,7 +12,8 @@ mod measure;
 mod mesh;
 mod texture;
 
-pub use camera::{Camera, CameraFrame, Lens, Projection};
+pub use camera::{Camera, Lens, Projection};
+pub use camera_frame::CameraFrame;
 pub use defect::{Defect, DefectCause, Note};
 pub use environment::Sky;
 pub use instance::Instance;

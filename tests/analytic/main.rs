@@ -2,6 +2,7 @@
 
 mod coverage;
 mod light;
+mod motion;
 mod paths;
 #[path = "../support/scenes.rs"]
 mod scenes;

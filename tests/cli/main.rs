@@ -10,6 +10,7 @@ mod frames;
 mod lens;
 mod mattes;
 mod models;
+mod motion;
 mod outputs;
 mod overlay;
 mod pipes;

@@ -1,6 +1,6 @@
 //! Moments of animations: channels, interpolations and what is wrong with some.
 
-use bspray::import::{ImportOptions, Moment, load_with};
+use bspray::import::{ImportOptions, Moment, load_with, load_with_neighbors};
 use bspray::scene::Scene;
 use glam::{DVec3, Vec3};
 use serde_json::{Value, json};
@@ -290,4 +290,53 @@ fn of_several_files_those_with_animations_move() {
         error.ends_with("still.gltf: animation 1: is not there: the file has none"),
         "{error}"
     );
+}
+
+#[test]
+fn moments_beside_have_the_same_triangles_also_where_they_are_squashed() {
+    // At 3 s the morph target has taken all vertices to one place.
+    let mut m = animated("weights", "LINEAR", &[0.0, 1.0], "SCALAR");
+    let squashed = [0.0, 0.0, 0.0, -1.0, 0.0, 0.0, 0.0, -2.0, 0.0];
+    let target = add_accessor(&mut m, &floats(&squashed), FLOAT, 3, "VEC3");
+    m["meshes"][0]["primitives"][0]["targets"] = json!([{"POSITION": target}]);
+    m["images"] = json!([{"uri": format!("data:image/png;base64,{PNG}")}]);
+    m["textures"] = json!([{"source": 0}]);
+    m["materials"] = json!([{"pbrMetallicRoughness": {"baseColorTexture": {"index": 0}}}]);
+    m["meshes"][0]["primitives"][0]["material"] = json!(0);
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("a.gltf");
+    std::fs::write(&file, m.to_string()).unwrap();
+    let moment = Moment {
+        animation: 0,
+        seconds: 2.0,
+    };
+    let files = [file];
+    let load = |limit| {
+        let options = ImportOptions {
+            memory_limit: limit,
+            ..ImportOptions::default()
+        };
+        load_with_neighbors(&files, &options, moment, 1.0)
+    };
+    let (now, [before, after]) = load(None).expect("loads");
+    for (scene, x) in [(&before, 1.0), (&now, 0.5), (&after, 0.0)] {
+        assert_eq!(scene.meshes[0].positions[1], Vec3::new(x, 0.0, 3.0));
+    }
+    for scene in [&before, &after] {
+        assert_eq!(scene.meshes[0].triangles, now.meshes[0].triangles);
+        assert!(scene.images.is_empty() && scene.defects.is_empty());
+        assert!(scene.materials[0].base_color_texture.is_none());
+    }
+    assert_eq!(now.images.len(), 1);
+    // One limit for all: what is enough for the first alone is not enough.
+    let alone = |limit| {
+        let options = ImportOptions {
+            moment: Some(moment),
+            memory_limit: Some(limit),
+            ..ImportOptions::default()
+        };
+        load_with(&files, &options).is_ok()
+    };
+    let enough = (0..24).map(|bits| 1 << bits).find(|&limit| alone(limit));
+    assert!(load(enough).is_err_and(|e| e.to_string().contains("memory")));
 }

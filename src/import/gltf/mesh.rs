@@ -30,12 +30,14 @@ pub(super) struct MeshRead {
     pub(super) defects: Vec<Defect>,
 }
 
-/// Reads a mesh in its shape, with the materials of a variant. Parts name materials by the file's index; those without one have `default_material`.
+/// Reads a mesh in its shape, with the materials of a variant. Parts name materials by the file's index; those without one have `default_material`. `drops_broken` is for triangles
+/// that cannot be rendered.
 pub(super) fn read(
     document: &Document,
     shape: &Shape,
     variant: Option<usize>,
     default_material: u32,
+    drops_broken: bool,
 ) -> Result<MeshRead, ImportError> {
     let index = shape.mesh;
     let json = &document.root.meshes[index];
@@ -69,7 +71,9 @@ pub(super) fn read(
         mut mesh, notes, ..
     } = reader;
     let mut defects = Vec::new();
-    clean::drop_broken_triangles(&mut mesh, document.file, &mut defects);
+    if drops_broken {
+        clean::drop_broken_triangles(&mut mesh, document.file, &mut defects);
+    }
     Ok(MeshRead {
         mesh,
         notes,

@@ -71,7 +71,15 @@ pub(super) fn load(
 
     let mut scene = Scene::default();
     let (shapes, shape_of) = pose::shapes(&document, &placements)?;
-    let places = read_meshes(&document, &shapes, variant, &mut scene, &mut notes)?;
+    let drops_broken = !options.geometry_only;
+    let places = read_meshes(
+        &document,
+        &shapes,
+        variant,
+        drops_broken,
+        &mut scene,
+        &mut notes,
+    )?;
     let mut bounds = Aabb::EMPTY;
     let boxes: Vec<Aabb> = scene.meshes.par_iter().map(object_box).collect();
     for (placed, shape) in placements.meshes.iter().zip(shape_of) {
@@ -94,12 +102,18 @@ pub(super) fn load(
     scene.lights = lights
         .filter_map(|l| views::light(&document, l, &mut notes))
         .collect();
-    read_materials(&document, &mut scene, &mut notes);
-    for mesh in &mut scene.meshes {
-        let charge = smooth_charge(mesh, options);
-        let charged = budget.charge(charge, || format!("mesh {:?}", mesh.name));
-        charged.map_err(|cause| document.invalid(&mesh.name, cause))?;
-        smooth(mesh, &[], options.crease_angle);
+    if options.geometry_only {
+        // One for each that a part may name.
+        let count = document.root.materials.len() + 1;
+        scene.materials = vec![material::default_material(); count];
+    } else {
+        read_materials(&document, &mut scene, &mut notes);
+        for mesh in &mut scene.meshes {
+            let charge = smooth_charge(mesh, options);
+            let charged = budget.charge(charge, || format!("mesh {:?}", mesh.name));
+            charged.map_err(|cause| document.invalid(&mesh.name, cause))?;
+            smooth(mesh, &[], options.crease_angle);
+        }
     }
     let has_animations = !document.animations.is_empty();
     let has_variants = !variants::names(&document).is_empty();
@@ -112,18 +126,19 @@ pub(super) fn load(
     })
 }
 
-/// Reads each shape. Gives their places in the scene; those without triangles have none.
+/// Reads each shape; `drops_broken` is for triangles that cannot be rendered. Gives their places in the scene; those without triangles have none.
 fn read_meshes(
     document: &Document,
     shapes: &[Shape],
     variant: Option<usize>,
+    drops_broken: bool,
     scene: &mut Scene,
     notes: &mut Notes,
 ) -> Result<Vec<Option<u32>>, ImportError> {
     let default_material = document.root.materials.len() as u32;
     let read: Vec<Result<MeshRead, ImportError>> = shapes
         .par_iter()
-        .map(|shape| mesh::read(document, shape, variant, default_material))
+        .map(|shape| mesh::read(document, shape, variant, default_material, drops_broken))
         .collect();
     let mut places = Vec::with_capacity(shapes.len());
     // One after the other, so that the first error of the file is the one that is told.

@@ -89,6 +89,11 @@ pub(super) fn load(
         base_color: Vec3::splat(reflectance).extend(1.0),
         ..Material::default()
     };
+    let libraries = if options.geometry_only {
+        Default::default()
+    } else {
+        libraries
+    };
     let mut materials = Materials {
         plain,
         names,

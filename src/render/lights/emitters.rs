@@ -2,11 +2,12 @@
 
 use glam::Vec3;
 
-use super::Incident;
+use super::{Incident, power};
 use crate::accel::Hit;
 use crate::geometry::{Ray, Triangle};
 use crate::render::stage::{Stage, StagedInstance};
 use crate::render::surface::Surface;
+use crate::render::texture::Textures;
 use crate::scene::Scene;
 
 /// One of them, in world space.
@@ -61,23 +62,28 @@ pub(super) struct Emitters {
 }
 
 impl Emitters {
-    pub(super) fn new(scene: &Scene, staged: &[StagedInstance]) -> Self {
+    pub(super) fn new(scene: &Scene, staged: &[StagedInstance], textures: &Textures) -> Self {
         let (emitters, runs) = find(scene, staged);
-        let power = |e: &Emitter| {
-            let emissive = scene.materials[e.material as usize].emissive;
-            f64::from(e.area) * f64::from(emissive.element_sum())
-        };
-        let total: f64 = emitters.iter().map(power).sum();
+        let powers: Vec<f64> = runs
+            .iter()
+            .flat_map(|run| {
+                let first = run.first_emitter as usize;
+                let of_run = &emitters[first..first + run.triangle_count as usize];
+                let triangles: Vec<_> = of_run.iter().map(|e| (e.name.1, e.area)).collect();
+                power::of_triangles(scene, textures, run.instance, &triangles)
+            })
+            .collect();
+        let total: f64 = powers.iter().sum();
         if total <= 0.0 {
             return Self::default();
         }
         let mut sum = 0.0;
-        let mut share = |e: &Emitter| {
-            sum += power(e);
+        let share = |power: f64| {
+            sum += power;
             sum / total
         };
         Self {
-            cumulative: emitters.iter().map(&mut share).collect(),
+            cumulative: powers.into_iter().map(share).collect(),
             emitters,
             runs,
         }

@@ -1,6 +1,7 @@
 //! The lights that stand in the scene: punctual lights and emissive triangles.
 
 mod emitters;
+mod power;
 mod punctual;
 
 use glam::Vec3;
@@ -8,6 +9,7 @@ use glam::Vec3;
 use self::emitters::Emitters;
 use super::environment::EnvironmentSample;
 use super::stage::{Stage, StagedInstance};
+use super::texture::Textures;
 use crate::accel::Hit;
 use crate::scene::{Light, LightKind, Scene};
 
@@ -50,10 +52,10 @@ pub struct Lights {
 
 impl Lights {
     /// All of the scene.
-    pub(super) fn new(scene: &Scene, instances: &[StagedInstance]) -> Self {
+    pub(super) fn new(scene: &Scene, instances: &[StagedInstance], textures: &Textures) -> Self {
         Self {
             punctual: scene.lights.clone(),
-            emitters: Emitters::new(scene, instances),
+            emitters: Emitters::new(scene, instances, textures),
         }
     }
 
@@ -197,7 +199,7 @@ mod tests {
             lights: vec![light(3.0, -1.0), light(0.0, 0.0), light(5.0, 2.0)],
             ..Scene::default()
         };
-        let lights = Lights::new(&scene, &[]);
+        let lights = Lights::new(&scene, &[], &Textures::default());
         let all: f32 = lights.punctual(Vec3::ZERO).map(|i| i.irradiance.x).sum();
         let n = 1000;
         let worth = |d: Vec3| if d.x < 0.0 { 0.25 } else { 1.0 };
