@@ -9,9 +9,9 @@ use serde_json::{Value, json};
 /// How a BSP is built.
 #[derive(Args, Clone, Copy, Debug)]
 pub(super) struct BspArgs {
-    /// Time spent on building `bsp` against speed of its answers
-    #[arg(long, value_name = "QUALITY", default_value_t = BspQuality::default(), value_parser = quality)]
-    bsp_quality: BspQuality,
+    /// Time spent on building `bsp` against speed of its answers: `fast`, `default`, `best`, or `auto`, by the number of rays that a picture needs
+    #[arg(long, value_name = "QUALITY", default_value = AUTO, value_parser = quality)]
+    bsp_quality: Quality,
     /// Whether the planes of `bsp` lie along the polygons' dominant normals where that pays, or along the axes of space
     #[arg(long, value_name = "AXES", default_value_t = BspAxes::default(), value_parser = axes)]
     bsp_axes: BspAxes,
@@ -26,10 +26,23 @@ pub(super) struct BspArgs {
     bsp_merge: bool,
 }
 
+/// The choice by the number of rays.
+const AUTO: &str = "auto";
+
+/// A quality, or none for the choice by the number of rays.
+#[derive(Clone, Copy, Debug)]
+struct Quality(Option<BspQuality>);
+
 impl BspArgs {
+    /// For as many rays as anybody may ask.
     pub(super) fn options(&self, seed: u32) -> BuildOptions {
+        self.options_for(seed, BspQuality::default())
+    }
+
+    /// For rays for which `auto` is the best.
+    pub(super) fn options_for(&self, seed: u32, auto: BspQuality) -> BuildOptions {
         BuildOptions {
-            quality: self.bsp_quality,
+            quality: self.bsp_quality.0.unwrap_or(auto),
             axes: self.bsp_axes,
             instructions: self.bsp_instructions,
             order: self.bsp_order,
@@ -51,8 +64,14 @@ pub(super) fn one_of<T: Copy, const N: usize>(
         .ok_or_else(|| format!("want one of {}", all.map(name).join(", ")))
 }
 
-fn quality(text: &str) -> Result<BspQuality, String> {
-    one_of(BspQuality::ALL, BspQuality::name, text)
+fn quality(text: &str) -> Result<Quality, String> {
+    if text == AUTO {
+        return Ok(Quality(None));
+    }
+    let named = one_of(BspQuality::ALL, BspQuality::name, text);
+    named
+        .map(|q| Quality(Some(q)))
+        .map_err(|all| format!("{all}, {AUTO}"))
 }
 
 fn axes(text: &str) -> Result<BspAxes, String> {

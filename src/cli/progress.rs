@@ -119,6 +119,13 @@ impl Observer for RenderProgress<'_> {
     }
 
     fn next_pass(&self, done: u32, planned: u32) -> u32 {
+        // What is looked at, or may have to end soon, comes in doublings from the start.
+        let is_watched = self.time_limit.is_some() || self.display.is_some();
+        let planned = if is_watched {
+            planned.min(done.max(1))
+        } else {
+            planned
+        };
         let Some(limit) = self.time_limit else {
             return planned;
         };

@@ -5,7 +5,7 @@ use std::time::Instant;
 
 use bspray::accel::bsp::polygon::SceneTrees;
 use bspray::accel::extents::{ExtentSphere, View};
-use bspray::accel::{Accelerator, AcceleratorKind};
+use bspray::accel::{Accelerator, AcceleratorKind, BspQuality};
 use bspray::picture;
 use bspray::render::{self, Environment, Film, RenderOptions, Stage};
 use bspray::scene::{Camera, Scene};
@@ -88,14 +88,15 @@ impl Studio<'_> {
         // Extents know the pixels of one camera; other structures know no camera, and serve all pictures.
         let is_shared = self.args.accel != AcceleratorKind::Extents;
         let first = shots.first().filter(|_| is_shared);
-        let built = first.map(|shot| self.build(shot)).transpose()?;
+        let pictures = if is_shared { shots.len() } else { 1 };
+        let built = first.map(|shot| self.build(shot, pictures)).transpose()?;
         let staged = built.as_ref().map(|built| self.stage(built));
         let mut reports = Vec::new();
         let mut done = Done::Completely;
         for shot in shots {
             let taken = match &staged {
                 Some(staged) => self.shoot(shot, staged),
-                None => self.shoot(shot, &self.stage(&self.build(shot)?)),
+                None => self.shoot(shot, &self.stage(&self.build(shot, pictures)?)),
             };
             match taken? {
                 Taken::Written(report, of_shot) => {
@@ -162,11 +163,20 @@ impl Studio<'_> {
         Ok((view, flags))
     }
 
-    /// The structure for a picture.
-    fn build(&self, shot: &Shot) -> anyhow::Result<Built> {
+    /// The structure for a picture, or several of its kind.
+    fn build(&self, shot: &Shot, pictures: usize) -> anyhow::Result<Built> {
         let (view, _) = self.view(shot)?;
         let started = Instant::now();
-        let options = self.args.bsp.options(self.args.seed);
+        let samples = self.options.window.area() * u64::from(self.options.samples);
+        let rays = samples.saturating_mul(u64::from(self.options.integrator.rays_a_sample()));
+        let triangles = self
+            .scene
+            .meshes
+            .iter()
+            .map(|m| m.triangles.len() as u64)
+            .sum();
+        let quality = BspQuality::for_rays(rays.saturating_mul(pictures as u64), triangles);
+        let options = self.args.bsp.options_for(self.args.seed, quality);
         let options = self.args.extents.add_to(options, view);
         let build = || self.args.accel.build_with(self.scene, &options);
         Ok(Built {

@@ -113,7 +113,8 @@ impl Observer for AtomicBool {
 
 /// Renders with the threads of the rayon pool in which it is called.
 ///
-/// The picture comes in passes of 1, 1, 2, 4, 8 and more samples a pixel, so that one that is stopped shows everything. The observer may make them smaller.
+/// The picture comes in passes of 1, 15, 16, 32 and more samples a pixel, so that one that is stopped shows everything, and few go alone. The observer may
+/// make them smaller.
 pub fn render(
     stage: &Stage,
     camera: &CameraFrame,
@@ -145,7 +146,9 @@ pub fn render(
     let ids = options.wants_layers.then(|| MatteIds::of(stage.scene));
     let (mut done, mut wanted) = (0, options.samples);
     while done < wanted && !observer.should_stop() {
-        let planned = done.clamp(1, wanted - done);
+        // The second completes what is traced together.
+        let planned = if done == 1 { TOGETHER - 1 } else { done.max(1) };
+        let planned = planned.min(wanted - done);
         let pass = observer.next_pass(done, planned).min(planned);
         if done > 0 && pass == 0 {
             wanted = done;

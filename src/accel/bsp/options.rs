@@ -42,7 +42,20 @@ pub enum BspQuality {
     Best,
 }
 
+/// Rays a triangle from which on a careful build pays. Of a path's rays in Sponza, 100 a triangle took as long in either tree, 430 took 7 to 20 % less in
+/// the default one, whose build takes two to four times as long.
+const MANY_RAYS: u64 = 200;
+
 impl BspQuality {
+    /// The one that is likely to have the answers of so many rays the earliest, build included. The answers are the same.
+    pub fn for_rays(rays: u64, triangles: u64) -> Self {
+        if rays / MANY_RAYS < triangles {
+            Self::Fast
+        } else {
+            Self::Default
+        }
+    }
+
     /// All of them, the fastest build first.
     pub const ALL: [Self; 3] = [Self::Fast, Self::Default, Self::Best];
 
@@ -155,12 +168,6 @@ impl BspOrder {
     }
 }
 
-impl fmt::Display for BspQuality {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(self.name())
-    }
-}
-
 impl fmt::Display for BspAxes {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(self.name())
@@ -176,5 +183,18 @@ impl fmt::Display for BspInstructions {
 impl fmt::Display for BspOrder {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(self.name())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn few_rays_get_a_fast_build() {
+        assert_eq!(BspQuality::for_rays(999_999, 10_000), BspQuality::Fast);
+        assert_eq!(BspQuality::for_rays(2_000_000, 10_000), BspQuality::Default);
+        assert_eq!(BspQuality::for_rays(0, 0), BspQuality::Default);
+        assert_eq!(BspQuality::for_rays(u64::MAX, u64::MAX), BspQuality::Fast);
     }
 }

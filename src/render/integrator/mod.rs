@@ -164,6 +164,16 @@ impl Integrator {
         }
     }
 
+    /// About how many rays it sends for a sample: what to expect, not what to rely on.
+    pub const fn rays_a_sample(&self) -> u32 {
+        match self {
+            Self::Path { .. } => 6,
+            Self::Whitted { .. } => 3,
+            Self::Direct | Self::Ao { .. } => 2,
+            _ => 1,
+        }
+    }
+
     /// Whether its colours are light, which a camera would see.
     pub const fn computes_light(&self) -> bool {
         matches!(
