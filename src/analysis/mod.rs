@@ -1,4 +1,4 @@
-//! What is measured of accelerators: speed on the rays of one view, and whether their answers are true.
+//! What is measured: accelerators by their speed on the rays of one view and by whether their answers are true, and pictures by how they differ.
 //!
 //! ```
 //! use bspray::accel::AcceleratorKind;
@@ -26,6 +26,7 @@ mod accuracy;
 mod clock;
 mod compare;
 mod dispute;
+pub mod images;
 mod ladder;
 mod measure;
 mod view_rays;
