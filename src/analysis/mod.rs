@@ -28,7 +28,9 @@ mod compare;
 mod dispute;
 pub mod images;
 mod ladder;
+mod machine;
 mod measure;
+pub mod report;
 mod view_rays;
 
 pub use accuracy::{Fault, Faults, Oracle, judge};
@@ -38,5 +40,6 @@ pub use compare::{
 };
 pub use dispute::WrongRay;
 pub use ladder::{Ladder, LadderOptions, LadderStep, StepOnRays, ray_sets};
+pub use machine::{compiled_instructions, machine, processor};
 pub use measure::{Speed, Spread, Timing, answers, build, speeds_in_turns, steps};
 pub use view_rays::{Query, RayPurpose, RaySet, ViewOptions, view_rays};

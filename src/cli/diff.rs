@@ -12,7 +12,7 @@ use bspray::picture::{PictureError, ldr, read_picture};
 use clap::{Args, ValueEnum};
 
 use super::diff_report::DiffReport;
-use super::{Done, UsageError, files, output, values};
+use super::{Done, UsageError, diff_values, files, output, values};
 
 /// Arguments of `bspray diff`.
 #[derive(Args, Debug)]
@@ -26,22 +26,22 @@ pub(super) struct DiffArgs {
     /// The picture it is compared with, of the same size: the reference
     b: PathBuf,
     /// A pixel fails if a channel differs by more
-    #[arg(long, value_name = "X", default_value_t = DEFAULT_THRESHOLD, value_parser = values::limit, help_heading = "Thresholds, as idiff has them")]
+    #[arg(long, value_name = "X", default_value_t = DEFAULT_THRESHOLD, value_parser = diff_values::limit, help_heading = "Thresholds, as idiff has them")]
     fail: f64,
     /// Percentage of pixels that may fail
-    #[arg(long, value_name = "P", default_value_t = 0.0, value_parser = values::limit, help_heading = "Thresholds, as idiff has them")]
+    #[arg(long, value_name = "P", default_value_t = 0.0, value_parser = diff_values::limit, help_heading = "Thresholds, as idiff has them")]
     fail_percent: f64,
     /// No pixel may differ by more, whatever the percentage [default: inf]
-    #[arg(long, value_name = "X", default_value_t = f64::INFINITY, hide_default_value = true, value_parser = values::limit, help_heading = "Thresholds, as idiff has them")]
+    #[arg(long, value_name = "X", default_value_t = f64::INFINITY, hide_default_value = true, value_parser = diff_values::limit, help_heading = "Thresholds, as idiff has them")]
     hard_fail: f64,
     /// A pixel warns if a channel differs by more
-    #[arg(long, value_name = "X", default_value_t = DEFAULT_THRESHOLD, value_parser = values::limit, help_heading = "Thresholds, as idiff has them")]
+    #[arg(long, value_name = "X", default_value_t = DEFAULT_THRESHOLD, value_parser = diff_values::limit, help_heading = "Thresholds, as idiff has them")]
     warn: f64,
     /// Percentage of pixels that may warn
-    #[arg(long, value_name = "P", default_value_t = 0.0, value_parser = values::limit, help_heading = "Thresholds, as idiff has them")]
+    #[arg(long, value_name = "P", default_value_t = 0.0, value_parser = diff_values::limit, help_heading = "Thresholds, as idiff has them")]
     warn_percent: f64,
     /// Warn if a pixel differs by more [default: inf]
-    #[arg(long, value_name = "X", default_value_t = f64::INFINITY, hide_default_value = true, value_parser = values::limit, help_heading = "Thresholds, as idiff has them")]
+    #[arg(long, value_name = "X", default_value_t = f64::INFINITY, hide_default_value = true, value_parser = diff_values::limit, help_heading = "Thresholds, as idiff has them")]
     hard_warn: f64,
     /// Only these channels or layers, with commas between
     #[arg(long, value_name = "NAME,...", value_delimiter = ',')]
@@ -56,10 +56,10 @@ pub(super) struct DiffArgs {
     #[arg(long, value_name = "NAME", help_heading = "Colours")]
     layer: Option<String>,
     /// FLIP: pixels in a degree of vision [default: 67.02, which is 3840 pixels over 0.7 m seen from 0.7 m]
-    #[arg(long, value_name = "N", default_value_t = PIXELS_PER_DEGREE, hide_default_value = true, value_parser = values::pixels_per_degree, help_heading = "Colours")]
+    #[arg(long, value_name = "N", default_value_t = PIXELS_PER_DEGREE, hide_default_value = true, value_parser = diff_values::pixels_per_degree, help_heading = "Colours")]
     ppd: f64,
     /// FLIP of EXR and HDR: exposures in stops, from the first to the last, and how many [default: from the reference]
-    #[arg(long, value_name = "START,STOP,COUNT", value_parser = values::exposures, allow_hyphen_values = true, help_heading = "Colours")]
+    #[arg(long, value_name = "START,STOP,COUNT", value_parser = diff_values::exposures, allow_hyphen_values = true, help_heading = "Colours")]
     exposures: Option<Exposures>,
     /// Write a picture of the differences: .png or .jpg as --map says, .exr with A - B of every channel and the map of FLIP
     #[arg(short, long, value_name = "FILE", help_heading = "Difference picture")]

@@ -6,9 +6,11 @@
 mod bsp_args;
 mod camera_args;
 mod compare;
+mod compare_page;
 mod compare_report;
 mod diff;
 mod diff_report;
+mod diff_values;
 mod display;
 mod environment_args;
 mod extent_args;

@@ -3,7 +3,6 @@
 use std::str::FromStr;
 
 use bspray::accel::AcceleratorKind;
-use bspray::analysis::images::Exposures;
 use bspray::render::PixelRect;
 use glam::Vec3;
 
@@ -48,7 +47,11 @@ pub(super) fn resolution(text: &str) -> Result<(u32, u32), String> {
     }
 }
 
-fn numbers<T: FromStr, const N: usize>(text: &str, form: &str) -> Result<[T; N], String> {
+/// `N` values with commas between.
+pub(super) fn numbers<T: FromStr, const N: usize>(
+    text: &str,
+    form: &str,
+) -> Result<[T; N], String> {
     let parts: Vec<_> = text.split(',').collect();
     if parts.len() != N {
         return Err(format!("want {form}"));
@@ -146,34 +149,6 @@ pub(super) fn view_angle(text: &str) -> Result<f32, String> {
         .ok()
         .filter(|a| *a < 180.0)
         .ok_or_else(|| "want an angle between 0 and 180 degrees".to_owned())
-}
-
-/// A limit of differences: 0 or more, `inf` for none.
-pub(super) fn limit(text: &str) -> Result<f64, String> {
-    let value = text.parse::<f64>().ok();
-    value
-        .filter(|v| *v >= 0.0)
-        .ok_or_else(|| "want a number, 0 or greater, or inf".to_owned())
-}
-
-/// Pixels in a degree of vision; filters grow with them.
-pub(super) fn pixels_per_degree(text: &str) -> Result<f64, String> {
-    let value = text.parse::<f64>().ok();
-    value
-        .filter(|v| (1.0..=1000.0).contains(v))
-        .ok_or_else(|| "want a number from 1 to 1000".to_owned())
-}
-
-/// `START,STOP,COUNT`: exposures in stops.
-pub(super) fn exposures(text: &str) -> Result<Exposures, String> {
-    let [start, stop, count] = numbers::<f64, 3>(text, "START,STOP,COUNT")?;
-    let is_range = -100.0 <= start && start <= stop && stop <= 100.0;
-    if is_range && (1.0..=1000.0).contains(&count) && count.fract() <= 0.0 {
-        let count = count as u32;
-        Ok(Exposures { start, stop, count })
-    } else {
-        Err("want START <= STOP, both from -100 to 100, and a COUNT from 1 to 1000".to_owned())
-    }
 }
 
 /// An angle between normals, from 0 to 180 degrees.

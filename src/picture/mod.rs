@@ -21,6 +21,7 @@ mod channel_names;
 mod channels;
 mod error;
 pub mod exr;
+pub mod glyphs;
 mod header_order;
 mod image_file;
 pub mod ldr;
