@@ -10,7 +10,7 @@
 //! | 2 | [`scene`]: what a file describes; [`picture`]: files of pixels |
 //! | 3 | [`import`] and [`accel`], which do not know each other |
 //! | 4 | [`render`] |
-//! | 5 | [`analysis`]: what is measured of accelerators |
+//! | 5 | [`analysis`]: what is measured of accelerators and of pictures |
 //!
 //! ```
 //! use std::sync::atomic::AtomicBool;

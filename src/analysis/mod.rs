@@ -1,4 +1,4 @@
-//! What is measured of accelerators: speed on the rays of one view, and whether their answers are true.
+//! What is measured: accelerators by their speed on the rays of one view and by whether their answers are true, and pictures by how they differ.
 //!
 //! ```
 //! use bspray::accel::AcceleratorKind;
@@ -26,8 +26,11 @@ mod accuracy;
 mod clock;
 mod compare;
 mod dispute;
+pub mod images;
 mod ladder;
+mod machine;
 mod measure;
+pub mod report;
 mod view_rays;
 
 pub use accuracy::{Fault, Faults, Oracle, judge};
@@ -37,5 +40,6 @@ pub use compare::{
 };
 pub use dispute::WrongRay;
 pub use ladder::{Ladder, LadderOptions, LadderStep, StepOnRays, ray_sets};
+pub use machine::{compiled_instructions, machine, processor};
 pub use measure::{Speed, Spread, Timing, answers, build, speeds_in_turns, steps};
 pub use view_rays::{Query, RayPurpose, RaySet, ViewOptions, view_rays};

@@ -1,5 +1,7 @@
 //! `bspray compare`: structures beside one another on the rays of one view.
 
+use std::path::PathBuf;
+
 use anyhow::{Context, bail};
 use bspray::accel::AcceleratorKind;
 use bspray::analysis::{CompareOptions, Comparison, Phase};
@@ -10,7 +12,7 @@ use super::camera_args::{self, CameraArgs};
 use super::compare_report::CompareReport;
 use super::extent_args::ExtentArgs;
 use super::model_args::ModelArgs;
-use super::{Done, UsageError, output, render, values};
+use super::{Done, UsageError, compare_page, files, output, render, values};
 
 /// Arguments of `bspray compare`.
 #[derive(Args, Debug)]
@@ -49,6 +51,9 @@ pub(super) struct CompareArgs {
     /// Print one JSON object
     #[arg(long, help_heading = "Reports")]
     json: bool,
+    /// Also write a page with tables and charts, report.html, and all numbers as CSV and JSON, into this folder
+    #[arg(long, value_name = "FOLDER", help_heading = "Reports")]
+    report: Option<PathBuf>,
     /// No progress and no notes
     #[arg(short, long, help_heading = "Reports")]
     quiet: bool,
@@ -57,6 +62,9 @@ pub(super) struct CompareArgs {
 /// Compares and tells.
 pub(super) fn run(args: &CompareArgs) -> anyhow::Result<Done> {
     let mut options = options(args)?;
+    if let Some(folder) = &args.report {
+        files::check_folder(folder)?;
+    }
     let scene = args.input.load()?;
     if !args.quiet {
         output::tell_of(&scene);
@@ -86,6 +94,12 @@ pub(super) fn run(args: &CompareArgs) -> anyhow::Result<Done> {
         threads: pool.current_num_threads(),
         comparison: &comparison,
     };
+    if let Some(folder) = &args.report {
+        compare_page::page(&report).write(folder)?;
+        if !args.quiet {
+            output::message(&format!("{}", folder.join("report.html").display()));
+        }
+    }
     output::result(&if args.json {
         report.json()
     } else {

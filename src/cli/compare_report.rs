@@ -193,7 +193,7 @@ impl CompareReport<'_> {
 }
 
 /// Mean nodes, leaves and triangle tests of a ray.
-fn per_ray(set: &SetReport, method: &MethodOnSet) -> [f64; 3] {
+pub(super) fn per_ray(set: &SetReport, method: &MethodOnSet) -> [f64; 3] {
     let steps = method.steps;
     [steps.nodes, steps.leaves, steps.primitives].map(|n| n as f64 / set.rays.max(1) as f64)
 }

@@ -108,6 +108,17 @@ pub(super) fn check_writable<'a>(
     Ok(())
 }
 
+/// Finds out before long work what would keep a report from being written into a folder, which may be new in one that is there.
+pub(super) fn check_folder(folder: &Path) -> anyhow::Result<()> {
+    if folder.is_dir() {
+        return check_writable(&folder.join("report.html"), std::iter::empty());
+    }
+    if folder.exists() {
+        bail!("{}: is no folder", folder.display());
+    }
+    check_writable(folder, std::iter::empty())
+}
+
 /// Refuses outputs that would replace a file that the scene was read from, such as a texture beside its model.
 pub(super) fn spare_inputs<'a>(
     outputs: impl Iterator<Item = &'a Path>,

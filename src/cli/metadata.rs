@@ -1,5 +1,6 @@
 //! What an EXR file tells of its own making.
 
+use bspray::analysis::machine;
 use bspray::picture::{Attribute, Picture, attribute};
 use serde_json::json;
 
@@ -28,7 +29,7 @@ pub(super) fn add(picture: Picture, summary: &RenderSummary) -> Picture {
 }
 
 /// The command line, each argument quoted where a shell would need it.
-fn command_line() -> String {
+pub(super) fn command_line() -> String {
     let is_plain = |c: char| c.is_ascii_alphanumeric() || "-_./,=+:@%".contains(c);
     let quoted = |arg: String| {
         if !arg.is_empty() && arg.chars().all(is_plain) {
@@ -44,30 +45,4 @@ fn command_line() -> String {
         .chain(args)
         .collect::<Vec<_>>()
         .join(" ")
-}
-
-/// Processor family, system, and those vector instructions of which code may make use.
-fn machine() -> String {
-    let mut parts = vec![
-        std::env::consts::ARCH.to_owned(),
-        std::env::consts::OS.to_owned(),
-    ];
-    #[cfg(target_arch = "x86_64")]
-    {
-        let features = [
-            ("sse4.1", std::arch::is_x86_feature_detected!("sse4.1")),
-            ("avx", std::arch::is_x86_feature_detected!("avx")),
-            ("avx2", std::arch::is_x86_feature_detected!("avx2")),
-            ("fma", std::arch::is_x86_feature_detected!("fma")),
-            ("avx512f", std::arch::is_x86_feature_detected!("avx512f")),
-            ("avx512vl", std::arch::is_x86_feature_detected!("avx512vl")),
-        ];
-        parts.extend(
-            features
-                .into_iter()
-                .filter(|(_, has)| *has)
-                .map(|(name, _)| name.to_owned()),
-        );
-    }
-    parts.join(" ")
 }

@@ -1,12 +1,16 @@
 //! The command line: arguments in, words and exit codes out. One file a sub-command.
 //!
 //! Results go to standard output, everything else to standard error. Exit codes: 0 done, 1 failure, 2 wrong usage, 4 ended
-//! early with a partial picture, 5 the first structure of a comparison is wrong.
+//! early with a partial picture, 5 the first structure of a comparison is wrong, or two pictures are different.
 
 mod bsp_args;
 mod camera_args;
 mod compare;
+mod compare_page;
 mod compare_report;
+mod diff;
+mod diff_report;
+mod diff_values;
 mod display;
 mod environment_args;
 mod extent_args;
@@ -52,6 +56,8 @@ enum Command {
     Inspect(Box<inspect::InspectArgs>),
     /// Compare structures on the rays of one view: builds, speed, steps, and who is right
     Compare(Box<compare::CompareArgs>),
+    /// Tell how two pictures differ: each channel, and to the eye (SSIM, FLIP)
+    Diff(Box<diff::DiffArgs>),
     /// Measure what each step from no extents to trees gives, for eye, shadow and mirror rays
     Ladder(Box<ladder::LadderArgs>),
     /// Print a script that completes bspray's arguments in a shell
@@ -68,6 +74,8 @@ enum Done {
     Partially,
     /// The first structure of a comparison gave wrong answers.
     FirstIsWrong,
+    /// Two pictures are different.
+    Different,
 }
 
 impl Done {
@@ -76,7 +84,7 @@ impl Done {
         match self {
             Self::Completely => 0,
             Self::Partially => 4,
-            Self::FirstIsWrong => 5,
+            Self::FirstIsWrong | Self::Different => 5,
         }
     }
 }
@@ -93,6 +101,7 @@ pub(crate) fn run() -> ExitCode {
         Command::Render(args) => render::run(&args),
         Command::Inspect(args) => inspect::run(&args),
         Command::Compare(args) => compare::run(&args),
+        Command::Diff(args) => diff::run(&args),
         Command::Ladder(args) => ladder::run(&args),
         Command::Completions(args) => shell::completions(&args),
         Command::Man => shell::man(),

@@ -1,4 +1,4 @@
-//! Single-precision numbers in JSON: as short as they are, not as the double that holds them.
+//! Numbers in JSON: single-precision ones as short as they are, not as the double that holds them, and what JSON has no number for.
 
 use serde_json::{Value, json};
 
@@ -13,6 +13,15 @@ pub(super) fn number(x: f32) -> Value {
 /// The numbers as an array.
 pub(super) fn numbers(values: impl AsRef<[f32]>) -> Value {
     values.as_ref().iter().map(|&x| number(x)).collect()
+}
+
+/// The number itself; a text (`inf`, `NaN`) for what JSON has no number for.
+pub(super) fn double(x: f64) -> Value {
+    if x.is_finite() {
+        json!(x)
+    } else {
+        json!(x.to_string())
+    }
 }
 
 #[cfg(test)]

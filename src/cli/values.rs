@@ -47,7 +47,11 @@ pub(super) fn resolution(text: &str) -> Result<(u32, u32), String> {
     }
 }
 
-fn numbers<T: FromStr, const N: usize>(text: &str, form: &str) -> Result<[T; N], String> {
+/// `N` values with commas between.
+pub(super) fn numbers<T: FromStr, const N: usize>(
+    text: &str,
+    form: &str,
+) -> Result<[T; N], String> {
     let parts: Vec<_> = text.split(',').collect();
     if parts.len() != N {
         return Err(format!("want {form}"));

@@ -16,10 +16,12 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+mod any_file;
 mod channel_names;
 mod channels;
 mod error;
 pub mod exr;
+pub mod glyphs;
 mod header_order;
 mod image_file;
 pub mod ldr;
@@ -31,6 +33,7 @@ mod safe_text;
 pub mod srgb;
 mod tonemap;
 
+pub use any_file::{Encoding, read_picture};
 pub use channels::{Attribute, Channel, Picture, Samples, Window, attribute};
 pub use error::PictureError;
 pub use image_file::{MOST_RADIANCE, mend_texels, read_image, read_image_if};

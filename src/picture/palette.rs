@@ -26,6 +26,27 @@ const RAMP: [[u8; 3]; 9] = [
     [253, 231, 37],
 ];
 
+/// Magma (Smith, van der Walt 2015, CC0) at seventeen places: as viridis, but from black to almost white; maps of FLIP have it. sRGB codes.
+const MAGMA: [[u8; 3]; 17] = [
+    [0, 0, 4],
+    [10, 8, 34],
+    [29, 17, 71],
+    [54, 16, 107],
+    [81, 18, 124],
+    [106, 28, 129],
+    [131, 38, 129],
+    [156, 46, 127],
+    [183, 55, 121],
+    [208, 65, 111],
+    [231, 82, 99],
+    [245, 107, 92],
+    [252, 137, 97],
+    [254, 167, 114],
+    [254, 196, 136],
+    [253, 226, 163],
+    [252, 253, 191],
+];
+
 /// The colour of a number, always the same; that of its neighbours is clearly another.
 ///
 /// ```
@@ -48,12 +69,22 @@ pub fn distinct(number: u32) -> [f32; 3] {
 
 /// From dark violet at 0 over green to bright yellow at 1, evenly. Values outside are taken to the ends, NaN to 0.
 pub fn ramp(value: f32) -> [f32; 3] {
-    let last = RAMP.len() - 1;
+    between(&RAMP, value)
+}
+
+/// From black at 0 over violet and orange to pale yellow at 1, evenly. Values outside are taken to the ends, NaN to 0.
+pub fn magma(value: f32) -> [f32; 3] {
+    between(&MAGMA, value)
+}
+
+/// The colour at a share of the way along a list.
+fn between(colors: &[[u8; 3]], value: f32) -> [f32; 3] {
+    let last = colors.len() - 1;
     let place = if value > 0.0 { value.min(1.0) } else { 0.0 } * last as f32;
     let below = (place as usize).min(last - 1);
     let part = place - below as f32;
     std::array::from_fn(|i| {
-        let [a, b] = [below, below + 1].map(|at| f32::from(RAMP[at][i]) / 255.0);
+        let [a, b] = [below, below + 1].map(|at| f32::from(colors[at][i]) / 255.0);
         srgb::decode(a + (b - a) * part)
     })
 }
@@ -103,16 +134,19 @@ mod tests {
     }
 
     #[test]
-    fn the_ramp_becomes_lighter_all_the_way() {
-        let luminance = |x: f32| {
-            let [r, g, b] = ramp(x);
-            0.2126 * r + 0.7152 * g + 0.0722 * b
-        };
-        for i in 0..100 {
-            let x = i as f32 / 100.0;
-            assert!(luminance(x) < luminance(x + 0.01), "{x}");
+    fn the_ramps_become_lighter_all_the_way() {
+        for (colors, of) in [(&RAMP[..], ramp as fn(f32) -> [f32; 3]), (&MAGMA, magma)] {
+            let luminance = |x: f32| {
+                let [r, g, b] = of(x);
+                0.2126 * r + 0.7152 * g + 0.0722 * b
+            };
+            for i in 0..100 {
+                let x = i as f32 / 100.0;
+                assert!(luminance(x) < luminance(x + 0.01), "{x}");
+            }
+            let middle = colors[colors.len() / 2];
+            assert_eq!(of(0.5).map(srgb::u8_of_linear), middle);
+            assert_eq!([of(-1.0), of(7.0)], [of(f32::NAN), of(1.0)]);
         }
-        assert_eq!(ramp(0.5).map(srgb::u8_of_linear), RAMP[4]);
-        assert_eq!([ramp(-1.0), ramp(7.0)], [ramp(f32::NAN), ramp(1.0)]);
     }
 }

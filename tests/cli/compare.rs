@@ -225,3 +225,57 @@ fn instructions_that_the_machine_has_not_are_refused() {
         }
     }
 }
+
+#[test]
+fn a_report_is_a_folder_with_every_number() {
+    let folder = tempfile::tempdir().unwrap();
+    let model = model("lecture-block.obj");
+    let args = |report: &'static str| {
+        let words = "--resolution 16x12 --repetitions 2 --accel bsp,bvh2 --seed 5 --json --report";
+        let mut args = vec!["compare".to_owned(), model.clone()];
+        args.extend(words.split(' ').map(str::to_owned));
+        args.push(report.to_owned());
+        args
+    };
+    let ran = bspray(folder.path(), &args("page"));
+    assert_eq!(ran.code, Some(0), "{ran:?}");
+    assert!(ran.stderr.ends_with("report.html\n"), "{}", ran.stderr);
+    let printed: Value = serde_json::from_str(&ran.stdout).expect("one JSON value");
+    let read = |name: &str| {
+        std::fs::read_to_string(folder.path().join("page").join(name)).expect("it was written")
+    };
+    let report: Value = serde_json::from_str(&read("report.json")).expect("JSON");
+    assert_eq!(report["words"][0]["tone"], "good");
+    assert_eq!(report["provenance"]["seed"], "5");
+    assert_eq!(report["provenance"]["camera"], printed["camera"]);
+    let command = report["provenance"]["command line"].as_str().unwrap();
+    assert!(command.ends_with("--json --report page"), "{command}");
+    assert!(report["provenance"]["instructions of bsp"].is_string());
+    // The same numbers as on standard output, in JSON and in CSV.
+    let speed = &printed["rays"][1]["structures"][1]["rays_per_second"];
+    let row = &report["tables"]["rays"]["rows"][3];
+    assert_eq!(
+        (&row["rays"], &row["structure"]),
+        (&"shadow".into(), &"bvh2".into())
+    );
+    assert_eq!(row["rays/s, median"], speed["median"]);
+    assert_eq!(row["rays/s, third quartile"], speed["third_quartile"]);
+    let csv = read("rays.csv");
+    let line = csv.lines().find(|l| l.starts_with("shadow,bvh2,"));
+    let median: f64 = line.unwrap().split(',').nth(2).unwrap().parse().unwrap();
+    assert_eq!(Some(median), speed["median"].as_f64());
+    let html = read("report.html");
+    assert!(html.contains("<p class=\"verdict good\">All structures are right"));
+    assert_eq!(html.matches("<svg ").count(), 2);
+
+    std::fs::write(folder.path().join("file"), "").unwrap();
+    for (report, words) in [
+        ("file", "is no folder"),
+        ("no/page", "there is no folder no"),
+    ] {
+        let ran = bspray(folder.path(), &args(report));
+        assert_eq!(ran.code, Some(1), "{ran:?}");
+        assert!(ran.stderr.contains(words), "{}", ran.stderr);
+    }
+    assert_eq!(super::run::names(folder.path()), ["file", "page"]);
+}

@@ -3,6 +3,7 @@
 mod camera;
 mod compare;
 mod denoise;
+mod diff;
 mod environments;
 mod errors;
 mod extents;

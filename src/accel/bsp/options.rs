@@ -120,6 +120,15 @@ impl BspInstructions {
         }
     }
 
+    /// The name of those that are used where these are asked for: of [`Self::Auto`], what this machine has.
+    pub fn name_in_use(self) -> &'static str {
+        let found = Self::ALL.into_iter().skip(1).find(|i| match self {
+            Self::Auto => i.is_available(),
+            wanted => wanted == *i && i.is_available(),
+        });
+        found.unwrap_or(Self::Portable).name()
+    }
+
     /// Whether this machine has them.
     pub fn is_available(self) -> bool {
         Instructions::chosen(self).is_some()

@@ -1,8 +1,7 @@
-//! Names as pixels: the only file that names the crate `noto-sans-mono-bitmap` (Noto Sans Mono, SIL Open Font License).
-
-use noto_sans_mono_bitmap::{FontWeight, RasterHeight, get_raster, get_raster_width};
+//! Names as pixels.
 
 use super::canvas::{Canvas, Color};
+use crate::picture::glyphs::GlyphSize;
 
 /// Longest name that is written out, in characters.
 const LONGEST: usize = 24;
@@ -18,32 +17,32 @@ const UNKNOWN: char = '\u{fffd}';
 
 /// A line of text of one of two heights.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Font(RasterHeight);
+pub(super) struct Font(GlyphSize);
 
 impl Font {
     /// The font for a scale of 1, or of more.
     pub(super) fn of_scale(scale: u32) -> Self {
         Self(if scale > 1 {
-            RasterHeight::Size32
+            GlyphSize::Large
         } else {
-            RasterHeight::Size16
+            GlyphSize::Small
         })
     }
 
     /// Height of a line, in pixels.
     pub(super) fn height(self) -> u32 {
-        self.0.val() as u32
+        self.0.height() as u32
     }
 
     /// Width of a text, in pixels: all characters have the same.
     pub(super) fn width(self, text: &str) -> u32 {
-        (text.chars().count() * get_raster_width(FontWeight::Regular, self.0)) as u32
+        (text.chars().count() * self.0.width()) as u32
     }
 
     fn has(self, character: char) -> bool {
-        let glyph = get_raster(character, FontWeight::Regular, self.0);
+        let glyph = self.0.ink(character);
         // A soft hyphen and the like have a glyph without ink.
-        character == ' ' || glyph.is_some_and(|g| g.pixels().iter().any(|&ink| ink > 0))
+        character == ' ' || glyph.is_some_and(|g| g.iter().any(|&ink| ink > 0))
     }
 
     /// A name that can be drawn: characters that the font has not are replaced, and a long name loses its middle.
@@ -75,15 +74,15 @@ impl Font {
     ) {
         let mut left = left;
         for character in text.chars() {
-            let Some(glyph) = get_raster(character, FontWeight::Regular, self.0) else {
+            let Some(glyph) = self.0.ink(character) else {
                 continue;
             };
-            for (y, row) in (top..).zip(glyph.rows()) {
+            for (y, row) in (top..).zip(glyph.chunks(self.0.width())) {
                 for (x, ink) in (left..).zip(row) {
                     canvas.dot(x, y, color, f32::from(*ink) / 255.0);
                 }
             }
-            left += glyph.width() as i64;
+            left += self.0.width() as i64;
         }
     }
 }
