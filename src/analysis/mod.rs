@@ -1,4 +1,4 @@
-//! What is measured of accelerators: speed on the rays of one view, and whether their answers are true.
+//! What is measured of accelerators: speed on the rays of one view, whether their answers are true, and where methods fail ([`stability`]).
 //!
 //! ```
 //! use bspray::accel::AcceleratorKind;
@@ -28,6 +28,7 @@ mod compare;
 mod dispute;
 mod ladder;
 mod measure;
+pub mod stability;
 mod view_rays;
 
 pub use accuracy::{Fault, Faults, Oracle, judge};

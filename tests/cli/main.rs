@@ -18,5 +18,6 @@ mod run;
 mod shell;
 #[cfg(unix)]
 mod signals;
+mod stress;
 mod tev;
 mod views;
