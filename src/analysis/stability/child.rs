@@ -5,9 +5,10 @@ use std::process::{Child, Command, ExitStatus, Stdio};
 use std::time::{Duration, Instant};
 
 use super::judged::{CellReply, Judged};
+use super::kinds::Ending;
 use super::limits::limit_this_process;
 use super::methods::Method;
-use super::results::{Cell, Ending};
+use super::results::Cell;
 use super::sweeps::Sweep;
 
 /// Memory that a child may use, in bytes of address space: enough for every method that ends, and too little to hurt the machine.

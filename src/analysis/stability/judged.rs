@@ -2,8 +2,9 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::kinds::{Blame, Kind, Trouble};
 use super::methods::{Built, Method};
-use super::results::{Blame, Cell, HitRecord, Kind, RayRecord, Step, Trouble, WrongAnswer};
+use super::results::{Cell, HitRecord, RayRecord, Step, WrongAnswer};
 use super::statistics::Rate;
 use super::sweeps::Case;
 use super::trouble::Wrong;

@@ -31,6 +31,7 @@
 mod child;
 mod defects;
 mod judged;
+mod kinds;
 mod leaks;
 mod limits;
 mod methods;
@@ -46,11 +47,11 @@ mod truth;
 mod verdict;
 
 pub use child::{CellTask, Isolation, answer};
+pub use kinds::{Blame, Ending, Kind, Trouble};
 pub use methods::Method;
 pub use results::{
-    Blame, Cell, DefectResult, Ending, FirstFailure, FormulaResult, HitRecord, Kind, LeakResult,
-    MethodResult, RayRecord, SignMap, Step, StressResults, SweepResult, Trouble, WrongAnswer,
-    parameter_text,
+    Cell, DefectResult, FirstFailure, FormulaResult, HitRecord, LeakResult, MethodResult,
+    RayRecord, SignMap, Step, StressResults, SweepResult, WrongAnswer, parameter_text,
 };
 pub use runner::StressOptions;
 pub use statistics::Rate;

@@ -5,11 +5,10 @@ use rayon::prelude::*;
 use super::child::{self, CellTask, Isolation};
 use super::defects;
 use super::judged::{CellReply, Judged};
+use super::kinds::Ending;
 use super::leaks::leaks;
 use super::methods::Method;
-use super::results::{
-    Cell, Ending, FirstFailure, MethodResult, SignMap, Step, StressResults, SweepResult,
-};
+use super::results::{Cell, FirstFailure, MethodResult, SignMap, Step, StressResults, SweepResult};
 use super::sweeps::Sweep;
 
 /// Side of the sign map, in points.

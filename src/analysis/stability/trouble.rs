@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use super::results::{Blame, Kind, Trouble};
+use super::kinds::{Blame, Kind, Trouble};
 use crate::geometry::exact::{self, filter};
 use crate::geometry::tolerance::SINGLE_DOUBT;
 use crate::geometry::{Ray, Triangle};

@@ -1,6 +1,6 @@
 //! What is wrong with an answer, and whether that counts: exact methods owe bits, others a plausible depth of the nearest triangle.
 
-use super::results::Kind;
+use super::kinds::Kind;
 use super::truth::Truths;
 use crate::accel::Hit;
 use crate::analysis::{Fault, judge};
