@@ -21,7 +21,7 @@ pub enum Kind {
 }
 
 impl Kind {
-    /// All of them, in the order of [`Cell::faults`].
+    /// All of them, in the order of [`Cell::faults`](super::Cell::faults).
     pub const ALL: [Self; 6] = [
         Self::Leak,
         Self::Hole,
@@ -75,7 +75,7 @@ pub enum Trouble {
 }
 
 impl Trouble {
-    /// All of them, in the order of [`Cell::troubles`].
+    /// All of them, in the order of [`Cell::troubles`](super::Cell::troubles).
     pub const ALL: [Self; 7] = [
         Self::Edge,
         Self::Vertex,
