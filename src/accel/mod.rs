@@ -4,12 +4,22 @@
 //! The contract, which one generic test suite runs over every kind: `any_hit(r) == closest_hit(r).is_some()`; `t` lies in the
 //! ray's closed interval; both sides of a triangle count; an empty scene or a ray that is not traceable gives `None`; the triangle
 //! is the original one; every kind returns what `linear` returns, bit for bit, the least (t, instance, triangle) winning.
+//!
+//! # Domain
+//!
+//! That contract holds for every ray and every scene inside [`Domain`], which says what is outside by name: coordinates beyond
+//! [`COORDINATE_LIMIT`](crate::geometry::tolerance::COORDINATE_LIMIT) or not finite, rays that are not traceable, and rays that the way to an object's
+//! space takes out of `f32`. Inside it, what a hit is follows [`exact`](crate::geometry::exact) to the last bit: a triangle without area and one that
+//! lies in the ray's plane are never hit, and neither is what lies so far off that `t` exceeds `f32`. A mesh that is placed several times
+//! is tested in its own space with the ray rounded once ([`TestSpaces`]), and the answer is exact for that ray. `bspray stress` looks for answers that break this.
 
 mod bake;
 pub mod bsp;
 mod bvh;
+mod bvh_as_shipped;
 mod bvh_sets;
 mod counters;
+mod domain;
 pub mod extents;
 mod hit;
 mod instances;
@@ -20,7 +30,9 @@ mod placement;
 
 pub use bake::TestSpaces;
 pub use bsp::{BspAxes, BspInstructions, BspOrder, BspQuality, BuildOptions};
+pub use bvh_as_shipped::{AsShipped, FormulaCheck, ShippedTree, formula_checks, world_triangles};
 pub use counters::{BuildStats, TraceCounters};
+pub use domain::{Domain, Outside};
 pub use hit::Hit;
 
 use bvh::BvhKind;

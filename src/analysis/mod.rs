@@ -1,4 +1,5 @@
-//! What is measured: accelerators by their speed on the rays of one view and by whether their answers are true, and pictures by how they differ.
+//! What is measured: accelerators by their speed on the rays of one view, by whether their answers are true and where they fail ([`stability`]), and pictures by
+//! how they differ.
 //!
 //! ```
 //! use bspray::accel::AcceleratorKind;
@@ -31,6 +32,7 @@ mod ladder;
 mod machine;
 mod measure;
 pub mod report;
+pub mod stability;
 mod view_rays;
 
 pub use accuracy::{Fault, Faults, Oracle, judge};

@@ -1,7 +1,7 @@
 //! The command line: arguments in, words and exit codes out. One file a sub-command.
 //!
 //! Results go to standard output, everything else to standard error. Exit codes: 0 done, 1 failure, 2 wrong usage, 4 ended
-//! early with a partial picture, 5 the first structure of a comparison is wrong, or two pictures are different.
+//! early with a partial picture, 5 the first structure of a comparison, or the default structure under stress, is wrong, or two pictures are different.
 
 mod bsp_args;
 mod camera_args;
@@ -32,6 +32,8 @@ mod progress;
 mod render;
 mod shell;
 mod shot;
+mod stress;
+mod stress_report;
 mod summary;
 mod tev;
 mod values;
@@ -60,6 +62,11 @@ enum Command {
     Diff(Box<diff::DiffArgs>),
     /// Measure what each step from no extents to trees gives, for eye, shadow and mirror rays
     Ladder(Box<ladder::LadderArgs>),
+    /// Look for where methods fail: sweeps over hard cases, each answer judged by exact arithmetic
+    Stress(Box<stress::StressArgs>),
+    /// Work of `stress` that may run away, in a process of its own
+    #[command(hide = true)]
+    StressCell(stress::StressCellArgs),
     /// Print a script that completes bspray's arguments in a shell
     Completions(shell::CompletionsArgs),
     /// Print bspray's manual page, in roff
@@ -72,7 +79,7 @@ enum Done {
     Completely,
     /// The picture is partial.
     Partially,
-    /// The first structure of a comparison gave wrong answers.
+    /// The first structure of a comparison, or the default one under stress, gave wrong answers.
     FirstIsWrong,
     /// Two pictures are different.
     Different,
@@ -103,6 +110,8 @@ pub(crate) fn run() -> ExitCode {
         Command::Compare(args) => compare::run(&args),
         Command::Diff(args) => diff::run(&args),
         Command::Ladder(args) => ladder::run(&args),
+        Command::Stress(args) => stress::run(&args),
+        Command::StressCell(args) => stress::cell(&args),
         Command::Completions(args) => shell::completions(&args),
         Command::Man => shell::man(),
     };

@@ -340,6 +340,23 @@ pub fn surface_offset_factors(world_from_object: glam::DMat3, object_radius: f32
     (8.0 * U32, instance_margin(norm, 1.0, radius, radius) as f32)
 }
 
+/// Error of a depth, in units of itself, up to which a method that does not promise exact depths is not blamed: 2^-12, half of the digits of `f32`.
+///
+/// A brute-force test in single precision is wrong by some tens of u. Smaller: such noise counts as failure; larger: depths pass that show in a picture.
+pub const PLAUSIBLE_DEPTH: f64 = 1.0 / 4096.0;
+
+/// Share of its permanent below which a determinant is taken for one that single precision cannot tell from zero, where wrong answers are explained: 16 u.
+///
+/// The sum of the roundings of a naive determinant of three rows is 8 u to 14 u. Smaller: rays beside an edge are explained by something else; larger: edges explain all.
+pub const SINGLE_DOUBT: f64 = 16.0 * U32 as f64;
+
+/// The epsilon of the naive triangle test that `stress` shows: that of the listing in Moller and Trumbore, "Fast, Minimum Storage Ray/Triangle
+/// Intersection", 1997. It has no derivation, which is the point.
+pub const NAIVE_DETERMINANT: f32 = 1e-6;
+
+/// The fixed epsilon of the naive BSP that `stress` shows, in model units: the 1e-5 of Ize's published implementation. It has no derivation either.
+pub const NAIVE_PLANE: f32 = 1e-5;
+
 #[cfg(test)]
 mod tests {
     use super::*;

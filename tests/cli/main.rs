@@ -20,5 +20,6 @@ mod run;
 mod shell;
 #[cfg(unix)]
 mod signals;
+mod stress;
 mod tev;
 mod views;

@@ -49,7 +49,7 @@ pub fn edge_sign(ray: &Ray, from: Vec3, to: Vec3) -> Option<Sign> {
 /// The edge function and its permanent, in cubic units (direction times area).
 ///
 /// Computed as `det(d, from - o, to - from)`, which is the same and whose permanent shrinks with the edge.
-pub(in crate::geometry) fn edge_function(ray: &Ray, from: Vec3, to: Vec3) -> (f64, f64) {
+pub(crate) fn edge_function(ray: &Ray, from: Vec3, to: Vec3) -> (f64, f64) {
     let direction = ray.direction.as_dvec3();
     let start = from.as_dvec3();
     let (minor, permanent) = cross(start - ray.origin.as_dvec3(), to.as_dvec3() - start);
@@ -58,7 +58,7 @@ pub(in crate::geometry) fn edge_function(ray: &Ray, from: Vec3, to: Vec3) -> (f6
 
 /// `(b - a) x (c - a)` and its permanents, in square units.
 #[inline(always)]
-pub(in crate::geometry) fn normal(triangle: &Triangle) -> (DVec3, DVec3) {
+pub(crate) fn normal(triangle: &Triangle) -> (DVec3, DVec3) {
     let [a, b, c] = triangle.corners();
     let a = a.as_dvec3();
     cross(b.as_dvec3() - a, c.as_dvec3() - a)

@@ -113,7 +113,7 @@ pub fn is_inside(signs: [Sign; 3]) -> bool {
 }
 
 /// The pairs of corners of the edge functions `U`, `V` and `W`, in the order of their determinants.
-pub(super) fn edges(triangle: &Triangle) -> [(Vec3, Vec3); 3] {
+pub(crate) fn edges(triangle: &Triangle) -> [(Vec3, Vec3); 3] {
     let [a, b, c] = *triangle.corners();
     [(c, b), (a, c), (b, a)]
 }

@@ -1,0 +1,227 @@
+//! The methods whose answers are looked at: all accelerators, and what they are better than. The one registry of `stress`.
+
+use super::naive::{EpsilonBsp, Every, MOLLER_TRUMBORE, WOOP};
+use crate::accel::{Accelerator, AcceleratorKind, AsShipped, Hit, ShippedTree};
+use crate::geometry::Ray;
+use crate::render::Answer;
+use crate::scene::Scene;
+
+/// A structure with a triangle test.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Method {
+    /// One of the crate's own; owes the exact answer.
+    Structure(AcceleratorKind),
+    /// Brute force with the test of Woop, Benthin and Wald as published.
+    Woop,
+    /// Brute force with the test of Moller and Trumbore in `f32`.
+    MollerTrumbore,
+    /// A BSP of cut triangles with a fixed epsilon, in `f32`.
+    EpsilonBsp,
+    /// Brute force with obvhs's own triangle test.
+    ObvhsTriangle,
+    /// obvhs's binary tree as it comes.
+    ObvhsBvh2,
+    /// obvhs's wide tree as it comes.
+    ObvhsCwbvh,
+    /// obvhs's binary tree with its own boxes, and our triangle test.
+    ObvhsBvh2Boxes,
+    /// obvhs's wide tree with its own boxes, and our triangle test.
+    ObvhsCwbvhBoxes,
+}
+
+/// A method, ready to answer.
+pub(super) enum Built {
+    Structure(Box<dyn Accelerator>),
+    Every(Every),
+    EpsilonBsp(EpsilonBsp),
+    Shipped(AsShipped),
+}
+
+impl Method {
+    /// The method that must be right: [`AcceleratorKind::default`].
+    pub const DEFAULT: Self = Self::Structure(AcceleratorKind::Bsp);
+
+    /// All of them, the default first.
+    pub fn all() -> Vec<Self> {
+        let structures = AcceleratorKind::ALL.into_iter().map(Self::Structure);
+        structures
+            .chain([
+                Self::Woop,
+                Self::MollerTrumbore,
+                Self::EpsilonBsp,
+                Self::ObvhsTriangle,
+                Self::ObvhsBvh2,
+                Self::ObvhsCwbvh,
+                Self::ObvhsBvh2Boxes,
+                Self::ObvhsCwbvhBoxes,
+            ])
+            .collect()
+    }
+
+    /// The name on the command line and in reports.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Structure(kind) => kind.name(),
+            Self::Woop => "woop",
+            Self::MollerTrumbore => "moller-trumbore",
+            Self::EpsilonBsp => "epsilon-bsp",
+            Self::ObvhsTriangle => "obvhs-triangle",
+            Self::ObvhsBvh2 => "obvhs-bvh2",
+            Self::ObvhsCwbvh => "obvhs-cwbvh",
+            Self::ObvhsBvh2Boxes => "obvhs-bvh2-boxes",
+            Self::ObvhsCwbvhBoxes => "obvhs-cwbvh-boxes",
+        }
+    }
+
+    /// One line about it.
+    pub const fn description(self) -> &'static str {
+        match self {
+            Self::Structure(kind) => kind.description(),
+            Self::Woop => "brute force, Woop's watertight test as published: f32, f64 on edges",
+            Self::MollerTrumbore => "brute force, Moller and Trumbore's test in f32, epsilon 1e-6",
+            Self::EpsilonBsp => "BSP of cut triangles in f32, epsilon 1e-5",
+            Self::ObvhsTriangle => "brute force, obvhs's own triangle test",
+            Self::ObvhsBvh2 => "obvhs's binary tree as it comes: its boxes, its triangle test",
+            Self::ObvhsCwbvh => "obvhs's wide tree as it comes: its boxes, its triangle test",
+            Self::ObvhsBvh2Boxes => "obvhs's binary tree, its boxes, the exact triangle test",
+            Self::ObvhsCwbvhBoxes => "obvhs's wide tree, its boxes, the exact triangle test",
+        }
+    }
+
+    /// Whether it owes the exact answer, bit for bit. Others owe a plausible depth of the nearest triangle.
+    pub const fn is_exact(self) -> bool {
+        matches!(self, Self::Structure(_))
+    }
+
+    /// Whether it may not end, or end the process.
+    pub const fn may_run_away(self) -> bool {
+        match self {
+            Self::Structure(kind) => matches!(kind, AcceleratorKind::BspPolygon),
+            Self::Woop | Self::MollerTrumbore | Self::ObvhsTriangle => false,
+            _ => true,
+        }
+    }
+
+    /// The method that has the same triangle test and no structure, to tell whose error an error is.
+    pub const fn brute_force(self) -> Self {
+        match self {
+            Self::Structure(_) | Self::ObvhsBvh2Boxes | Self::ObvhsCwbvhBoxes => {
+                Self::Structure(AcceleratorKind::Linear)
+            }
+            Self::Woop => Self::Woop,
+            Self::MollerTrumbore | Self::EpsilonBsp => Self::MollerTrumbore,
+            Self::ObvhsTriangle | Self::ObvhsBvh2 | Self::ObvhsCwbvh => Self::ObvhsTriangle,
+        }
+    }
+
+    pub(super) fn build(self, scene: &Scene) -> Built {
+        let shipped =
+            |tree, has_exact_test| Built::Shipped(AsShipped::build(scene, tree, has_exact_test));
+        match self {
+            Self::Structure(kind) => Built::Structure(kind.build(scene)),
+            Self::Woop => Built::Every(Every::build(scene, WOOP)),
+            Self::MollerTrumbore => Built::Every(Every::build(scene, MOLLER_TRUMBORE)),
+            Self::EpsilonBsp => Built::EpsilonBsp(EpsilonBsp::build(scene)),
+            Self::ObvhsTriangle => shipped(ShippedTree::Every, false),
+            Self::ObvhsBvh2 => shipped(ShippedTree::Binary, false),
+            Self::ObvhsCwbvh => shipped(ShippedTree::Wide, false),
+            Self::ObvhsBvh2Boxes => shipped(ShippedTree::Binary, true),
+            Self::ObvhsCwbvhBoxes => shipped(ShippedTree::Wide, true),
+        }
+    }
+}
+
+impl std::str::FromStr for Method {
+    type Err = String;
+
+    fn from_str(name: &str) -> Result<Self, String> {
+        let all = Self::all();
+        all.iter()
+            .copied()
+            .find(|m| m.name() == name)
+            .ok_or_else(|| {
+                let names: Vec<_> = all.iter().map(|m| m.name()).collect();
+                format!("no method {name:?}; there are {}", names.join(", "))
+            })
+    }
+}
+
+impl Built {
+    /// The nearest hit.
+    pub(super) fn closest_hit(&self, ray: &Ray) -> Option<Hit> {
+        match self {
+            Self::Structure(structure) => structure.closest_hit(ray),
+            Self::Every(every) => every.closest_hit(ray),
+            Self::EpsilonBsp(tree) => tree.closest_hit(ray),
+            Self::Shipped(tree) => tree.closest_hit(ray),
+        }
+    }
+
+    /// The answers to all rays, once for each way of asking: accelerators are asked for closest and any hits, alone and together.
+    pub(super) fn answers(&self, rays: &[Ray]) -> Vec<Vec<Answer>> {
+        let alone = |ray| Answer::Closest(self.closest_hit(ray));
+        let mut answers = vec![rays.iter().map(alone).collect()];
+        if let Self::Structure(structure) = self {
+            let mut hits = vec![None; rays.len()];
+            structure.closest_hits(rays, &mut hits);
+            answers.push(hits.into_iter().map(Answer::Closest).collect());
+            let any = |ray| Answer::Any(structure.any_hit(ray));
+            answers.push(rays.iter().map(any).collect());
+            let mut flags = vec![false; rays.len()];
+            structure.any_hits(rays, &mut flags);
+            answers.push(flags.into_iter().map(Answer::Any).collect());
+        }
+        answers
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::Vec3;
+
+    #[test]
+    fn names_are_unique_and_read_back() {
+        for method in Method::all() {
+            assert_eq!(method.name().parse(), Ok(method));
+            assert_eq!(method.brute_force().brute_force(), method.brute_force());
+        }
+        assert_eq!(Method::all()[0], Method::DEFAULT);
+        assert!(
+            "embree"
+                .parse::<Method>()
+                .unwrap_err()
+                .contains("obvhs-cwbvh-boxes")
+        );
+    }
+
+    #[test]
+    fn all_answer_easy_rays_alike() {
+        let scene = crate::import::load(&["models/lecture-objects.gltf".into()]).unwrap();
+        let truth = AcceleratorKind::Linear.build(&scene);
+        let center = scene.bounds().center();
+        let ray = |i: u8| {
+            let place = f32::from(i);
+            let origin = center + Vec3::new(7.0 - place * 0.071, 6.0, 5.3 - place * 0.043);
+            Ray::new(origin, Vec3::new(0.11, -1.0, -0.23))
+        };
+        let rays: Vec<Ray> = (0..200).map(ray).collect();
+        let want: Vec<_> = rays.iter().map(|r| truth.closest_hit(r)).collect();
+        assert!(want.iter().flatten().count() > 50);
+        for method in Method::all() {
+            let built = method.build(&scene);
+            let name = |hit: Option<Hit>| hit.map(|h| (h.instance, h.triangle));
+            let others = rays
+                .iter()
+                .zip(&want)
+                .filter(|(r, w)| name(built.closest_hit(r)) != name(**w));
+            // A ray may pass an edge by chance.
+            let others = others.count();
+            assert!(
+                others <= 2 * usize::from(!method.is_exact()),
+                "{}: {others}",
+                method.name()
+            );
+        }
+    }
+}

@@ -1,0 +1,172 @@
+//! `bspray stress`: a row a method, a JSON object that says all, what runs away in a process of its own, and clear words for what cannot be.
+
+use serde_json::Value;
+
+use super::run::{Ran, bspray, names};
+
+fn stress(args: &[&str]) -> Ran {
+    let folder = tempfile::tempdir().expect("a folder");
+    let all = [&["stress", "--quick", "--rays", "16"], args].concat();
+    let ran = bspray(folder.path(), &all);
+    assert_eq!(names(folder.path()), [""; 0]);
+    ran
+}
+
+#[test]
+fn the_table_has_a_row_a_method_in_110_columns_and_ends_with_0() {
+    let ran = stress(&["--sweep", "edges-inside,small", "--threads", "2"]);
+    assert_eq!(ran.code, Some(0), "{ran:?}");
+    let lines: Vec<&str> = ran.stdout.lines().collect();
+    assert!(
+        lines.iter().all(|l| l.chars().count() <= 130),
+        "{}",
+        ran.stdout
+    );
+    for name in [
+        "bsp",
+        "linear",
+        "moller-trumbore",
+        "epsilon-bsp",
+        "obvhs-cwbvh-boxes",
+    ] {
+        let rows = lines
+            .iter()
+            .filter(|l| l.split_whitespace().next() == Some(name));
+        // Two sweeps and the leaks.
+        assert_eq!(rows.count(), 3, "{name}: {}", ran.stdout);
+    }
+    assert!(ran.stdout.contains("bsp: nothing wrong inside its domain"));
+    assert!(
+        ran.stdout
+            .contains("Aabb::surface_area is wrong for all boxes but cubes: 28 instead of 22")
+    );
+    assert!(
+        ran.stderr.contains("100 %") && ran.stderr.contains("s left"),
+        "{}",
+        ran.stderr
+    );
+}
+
+#[test]
+fn json_says_all_and_does_not_depend_on_threads() {
+    let args = [
+        "--sweep",
+        "distance,tilt",
+        "--method",
+        "woop,obvhs-cwbvh",
+        "--json",
+        "-q",
+        "--seed",
+        "9",
+    ];
+    let one = stress(&[&args[..], &["--threads", "1"]].concat());
+    assert_eq!((one.code, &*one.stderr), (Some(0), ""), "{one:?}");
+    assert_eq!(
+        one.stdout,
+        stress(&[&args[..], &["--threads", "3"]].concat()).stdout
+    );
+    let value: Value = serde_json::from_str(&one.stdout).expect("one JSON value");
+    assert_eq!(value["seed"], 9);
+    let sweep = &value["sweeps"][1];
+    assert_eq!(
+        (&sweep["name"], &sweep["unit"]),
+        (&"tilt".into(), &"".into())
+    );
+    let steps = sweep["steps"].as_array().expect("steps").len();
+    let methods: Vec<_> = sweep["methods"]
+        .as_array()
+        .expect("methods")
+        .iter()
+        .collect();
+    let names: Vec<_> = methods
+        .iter()
+        .map(|m| m["method"].as_str().expect("a name"))
+        .collect();
+    assert_eq!(names, ["bsp", "woop", "obvhs-cwbvh"]);
+    for method in &methods {
+        assert_eq!(method["cells"].as_array().expect("cells").len(), steps);
+    }
+    let wrong = &methods[2]["first_failure"]["wrong"];
+    assert_eq!(
+        (&wrong["kind"], &wrong["blame"]),
+        (&"hole".into(), &"traversal".into())
+    );
+    assert_eq!(
+        wrong["ray"]["direction"]
+            .as_array()
+            .expect("a direction")
+            .len(),
+        3
+    );
+    assert!(wrong["ray"]["max"].is_null() && wrong["truth"]["t"].is_number());
+}
+
+#[test]
+fn obvhs_on_very_many_coincident_triangles_is_ended_and_named() {
+    let args = [
+        "--sweep",
+        "coincident",
+        "--method",
+        "obvhs-bvh2",
+        "--time-limit",
+        "1",
+        "--json",
+        "-q",
+    ];
+    let ran = stress(&args);
+    assert_eq!(ran.code, Some(0), "{ran:?}");
+    let value: Value = serde_json::from_str(&ran.stdout).expect("one JSON value");
+    let cells = value["sweeps"][0]["methods"][1]["cells"]
+        .as_array()
+        .expect("cells");
+    assert_eq!(cells[0]["ending"], "answered");
+    let last = &cells[cells.len() - 1]["ending"];
+    assert!(
+        last["did-not-end"]["seconds"] == 1 || last["died"]["how"].is_string(),
+        "{last}"
+    );
+    let defects = value["defects"].as_array().expect("defects");
+    let found = |d: &&Value| {
+        d["name"]
+            .as_str()
+            .is_some_and(|n| n.starts_with("Bvh2 does not survive"))
+    };
+    assert!(defects.iter().find(found).expect("the defect")["evidence"].is_string());
+}
+
+#[test]
+fn the_sign_map_is_a_picture() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let args = [
+        "stress", "--quick", "--rays", "4", "--sweep", "layers", "--method", "linear", "-q",
+    ];
+    let ran = bspray(
+        folder.path(),
+        &[&args[..], &["--sign-map", "signs.png"]].concat(),
+    );
+    assert_eq!(ran.code, Some(0), "{ran:?}");
+    assert!(
+        std::fs::metadata(folder.path().join("signs.png"))
+            .expect("a picture")
+            .len()
+            > 500
+    );
+}
+
+#[test]
+fn what_there_is_not_is_named_with_what_there_is() {
+    for (args, words) in [
+        (["--sweep", "nothing"], "there are distance"),
+        (["--method", "embree"], "obvhs-cwbvh-boxes"),
+        (["--sweep", "layers,layers"], "--sweep names layers twice"),
+        (["--method", "woop,woop"], "--method names woop twice"),
+        (["--rays", "0"], "0"),
+    ] {
+        let folder = tempfile::tempdir().expect("a folder");
+        let ran = bspray(folder.path(), &[&["stress"], &args[..]].concat());
+        assert_eq!(ran.code, Some(2), "{ran:?}");
+        assert!(ran.stderr.contains(words), "{}", ran.stderr);
+    }
+    let help = bspray(std::path::Path::new("."), &["--help"]);
+    assert!(help.stdout.contains("stress ") && !help.stdout.contains("stress-cell"));
+}
