@@ -109,6 +109,12 @@ pub(super) struct Reflected {
 }
 
 impl Reflected {
+    /// Stands for surfaces that mirror nothing, of which nobody asks how rough they are.
+    pub(super) const UNUSED: Self = Self {
+        white: 1.0,
+        grazing: 0.0,
+    };
+
     pub(super) fn at(cosine: f32, roughness: f32) -> Self {
         Self {
             white: WHITE.at(cosine, roughness),

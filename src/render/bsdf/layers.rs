@@ -106,7 +106,13 @@ impl<'a> Bsdf<'a> {
                 share: lobes.metallic * below,
             },
         ];
-        let reflected = Reflected::at(o.z, lobes.roughness);
+        let is_matt =
+            lobes.metallic + lobes.transmission + lobes.f90 == 0.0 && lobes.f0 == Vec3::ZERO;
+        let reflected = if is_matt {
+            Reflected::UNUSED
+        } else {
+            Reflected::at(o.z, lobes.roughness)
+        };
         let base = Mirrors::new((frame, o), (lobes.roughness, reflected), &kinds);
         let base_albedo = kinds
             .iter()
