@@ -33,6 +33,7 @@ mod render;
 mod shell;
 mod shot;
 mod stress;
+mod stress_page;
 mod stress_report;
 mod summary;
 mod tev;

@@ -13,7 +13,7 @@ use bspray::picture::ldr;
 use clap::Args;
 use indicatif::{ProgressBar, ProgressStyle};
 
-use super::{Done, UsageError, output, stress_report, values};
+use super::{Done, UsageError, files, output, stress_page, stress_report, values};
 
 /// How much is done: rays a step, rays from inside a closed mesh, seconds for what may run away.
 struct Profile(u32, u64, u32);
@@ -66,6 +66,9 @@ pub(super) struct StressArgs {
     /// Print one JSON object
     #[arg(long, help_heading = "Reports")]
     json: bool,
+    /// Also write a page with tables and charts, report.html, and all numbers as CSV and JSON, into this folder
+    #[arg(long, value_name = "FOLDER", help_heading = "Reports")]
+    report: Option<PathBuf>,
     /// No progress
     #[arg(short, long, help_heading = "Reports")]
     quiet: bool,
@@ -107,6 +110,9 @@ fn method_help() -> String {
 /// Runs and tells.
 pub(super) fn run(args: &StressArgs) -> anyhow::Result<Done> {
     let options = options(args)?;
+    if let Some(folder) = &args.report {
+        files::check_folder(folder)?;
+    }
     let pool = rayon::ThreadPoolBuilder::new()
         .num_threads(args.threads)
         .build()
@@ -124,6 +130,12 @@ pub(super) fn run(args: &StressArgs) -> anyhow::Result<Done> {
     progress.end();
     if let Some(path) = &args.sign_map {
         ldr::write(path, &results.sign_map.picture(SIGN_SCALE))?;
+    }
+    if let Some(folder) = &args.report {
+        stress_page::page(&results).write(folder)?;
+        if !args.quiet {
+            output::message(&format!("{}", folder.join("report.html").display()));
+        }
     }
     output::result(&if args.json {
         serde_json::to_string_pretty(&results)?

@@ -133,7 +133,7 @@ fn row(method: &MethodResult, sweep: &SweepResult, out: &mut String) {
 }
 
 /// The most frequent of them.
-fn mostly<const N: usize>(counts: &[u64; N], names: [&'static str; N]) -> &'static str {
+pub(super) fn mostly<const N: usize>(counts: &[u64; N], names: [&'static str; N]) -> &'static str {
     let most = (0..N)
         .rev()
         .max_by_key(|&i| counts[i])
@@ -141,7 +141,7 @@ fn mostly<const N: usize>(counts: &[u64; N], names: [&'static str; N]) -> &'stat
     most.map_or("", |i| names[i])
 }
 
-fn ended(ending: &Ending) -> String {
+pub(super) fn ended(ending: &Ending) -> String {
     match ending {
         Ending::Answered => "answered".to_owned(),
         Ending::NotTried => "not tried".to_owned(),
@@ -158,7 +158,7 @@ fn percent(rate: &Rate) -> String {
 fn leaks(leaks: &[LeakResult], out: &mut String) {
     let _ = writeln!(
         out,
-        "\nleaks: rays from inside a closed ball, half of them at edges and corners\n{:<18}{:>14}{:>12}{:>28}",
+        "\nleaks: rays from inside a closed ball, half of them at edges and corners\n{:<18}{:>14}{:>12}{:>32}",
         "", "rays", "leaks", "share, %"
     );
     for leak in leaks {
@@ -166,7 +166,7 @@ fn leaks(leaks: &[LeakResult], out: &mut String) {
         let share = format!("{rate:.2} ({low:.6} to {high:.6})");
         let _ = writeln!(
             out,
-            "{:<18}{:>14}{:>12}{share:>28}",
+            "{:<18}{:>14}{:>12}{share:>32}",
             leak.method, leak.rays, leak.leaks
         );
     }

@@ -170,3 +170,56 @@ fn what_there_is_not_is_named_with_what_there_is() {
     let help = bspray(std::path::Path::new("."), &["--help"]);
     assert!(help.stdout.contains("stress ") && !help.stdout.contains("stress-cell"));
 }
+
+#[test]
+fn a_report_has_the_rates_and_outcomes_of_the_table() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let words = "stress --quick --rays 16 --sweep small,edges-inside --method moller-trumbore --json --report r";
+    let ran = bspray(folder.path(), &words.split(' ').collect::<Vec<_>>());
+    assert_eq!(ran.code, Some(0), "{ran:?}");
+    assert!(ran.stderr.ends_with("report.html\n"), "{}", ran.stderr);
+    let printed: Value = serde_json::from_str(&ran.stdout).expect("JSON");
+    let read = |name: &str| {
+        let path = folder.path().join("r").join(name);
+        std::fs::read_to_string(path).unwrap_or_else(|e| panic!("{name}: {e}"))
+    };
+    let report: Value = serde_json::from_str(&read("report.json")).expect("JSON");
+    assert_eq!(report["words"][0]["tone"], "good");
+    let verdict = report["words"][0]["verdict"].as_str().unwrap();
+    assert!(
+        verdict.contains("bsp gave no wrong answer inside its domain")
+            && verdict.contains("Somewhere fail: moller-trumbore."),
+        "{verdict}"
+    );
+    // Every rate of the sweep is in the chart's numbers, and each method has a row.
+    for sweep in printed["sweeps"].as_array().unwrap() {
+        let name = sweep["name"].as_str().unwrap();
+        let method = &sweep["methods"][1];
+        assert_eq!(method["method"], "moller-trumbore");
+        let rates = read(&format!("rates-{name}.csv"));
+        let rows = rates.lines().filter(|l| l.starts_with("moller-trumbore,"));
+        let asked = method["cells"].as_array().unwrap();
+        let asked = asked.iter().filter(|c| c["rays"].as_u64() > Some(0));
+        assert_eq!(rows.count(), asked.count(), "{rates}");
+        let outcomes = read(&format!("outcomes-{name}.csv"));
+        let wrong = |c: &Value| -> u64 {
+            c["faults"]
+                .as_array()
+                .unwrap()
+                .iter()
+                .map(|n| n.as_u64().unwrap())
+                .sum()
+        };
+        let wrong: u64 = method["cells"].as_array().unwrap().iter().map(wrong).sum();
+        let row = outcomes
+            .lines()
+            .find(|l| l.starts_with("moller-trumbore,"))
+            .unwrap();
+        assert!(
+            wrong > 0 && row.split(',').any(|cell| cell == wrong.to_string()),
+            "{row}"
+        );
+    }
+    let page = read("report.html");
+    assert!(page.contains("Where methods fail") && page.contains("<svg"));
+}

@@ -37,27 +37,37 @@ impl SignMap {
 
     /// Both as a picture, naive at the left of exact, each point a square of so many pixels.
     pub fn picture(&self, scale: u32) -> Raster {
-        let (side, gap) = (self.size * scale, 2 * scale);
-        let width = 2 * side + gap;
-        let pixel = |i: u32| {
-            let (x, y) = (i % width, i / width);
-            let map = if x < side { &self.naive } else { &self.exact };
-            let column = if x < side {
-                x
-            } else {
-                x.wrapping_sub(side + gap)
-            };
-            if column >= side {
-                return [255; 3];
-            }
-            let sign = map[(y / scale * self.size + column / scale) as usize];
-            COLORS[(sign + 1) as usize]
-        };
+        let maps = [&self.naive, &self.exact].map(|map| self.drawn(map, scale));
+        let gap = vec![[255; 3]; 2 * scale as usize];
+        let side = (self.size * scale) as usize;
+        let rows = maps[0].chunks(side).zip(maps[1].chunks(side));
+        let pixels: Vec<_> = rows
+            .flat_map(|(naive, exact)| [naive, &gap, exact].concat())
+            .collect();
         Raster {
-            width,
-            height: side,
-            pixels: RasterPixels::Rgb((0..width * side).map(pixel).collect()),
+            width: 2 * (self.size + 1) * scale,
+            height: self.size * scale,
+            pixels: RasterPixels::Rgb(pixels),
         }
+    }
+
+    /// The naive signs and the exact ones, each point a square of so many pixels.
+    pub fn pictures(&self, scale: u32) -> [Raster; 2] {
+        let side = self.size * scale;
+        [&self.naive, &self.exact].map(|map| Raster {
+            width: side,
+            height: side,
+            pixels: RasterPixels::Rgb(self.drawn(map, scale)),
+        })
+    }
+
+    fn drawn(&self, map: &[i8], scale: u32) -> Vec<[u8; 3]> {
+        let side = self.size * scale;
+        let pixel = |i: u32| {
+            let (x, y) = (i % side / scale, i / side / scale);
+            COLORS[(map[(y * self.size + x) as usize] + 1) as usize]
+        };
+        (0..side * side).map(pixel).collect()
     }
 }
 

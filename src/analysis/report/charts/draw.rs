@@ -30,7 +30,7 @@ const COLORS: [RGBColor; 7] = [
 const LINE: i32 = 16;
 
 /// Width that a character of text is taken to have, in units.
-const CHARACTER: i32 = 8;
+pub(super) const CHARACTER: i32 = 8;
 
 type Area<DB> = DrawingArea<DB, Shift>;
 type Drawn<DB> = Result<(), DrawingAreaErrorKind<<DB as DrawingBackend>::ErrorType>>;

@@ -227,14 +227,20 @@ impl Chart {
         bitmap.halved()
     }
 
-    /// Charts of names grow with their number.
+    /// Charts of names grow with their number, and so that none is written over another.
     fn size(&self) -> (u32, u32) {
-        let rows = match &self.plot {
+        let (columns, rows) = match &self.plot {
             Plot::Lines(_) => return SIZE,
-            Plot::Dots(chart) => chart.rows.len() * (chart.series.len() * 14 + 16),
-            Plot::Heat(chart) => chart.rows.len() * 34,
+            Plot::Dots(chart) => (0, chart.rows.len() * (chart.series.len() * 14 + 16)),
+            Plot::Heat(chart) => {
+                let longest = |names: &[String]| names.iter().map(|n| n.chars().count()).max();
+                let [column, row] = [&chart.columns, &chart.rows].map(|n| longest(n).unwrap_or(0));
+                let character = draw::CHARACTER as usize;
+                let columns = chart.columns.len() * (column + 2) + row + 4;
+                (columns * character, chart.rows.len() * 34)
+            }
         };
-        (SIZE.0, 110 + rows as u32)
+        (SIZE.0.max(columns as u32), 110 + rows as u32)
     }
 }
 
