@@ -117,8 +117,10 @@ pub(super) fn run(args: &DiffArgs) -> anyhow::Result<Done> {
             if args.json {
                 output::result(&report.json_without_measures(&cause))?;
             }
-            let [a, b] = report.paths.map(|p| p.display());
-            output::message(&format!("different: {a}, {b}: {cause}"));
+            if !args.quiet {
+                let [a, b] = report.paths.map(|p| p.display());
+                output::message(&format!("different: {a}, {b}: {cause}"));
+            }
             return Ok(Done::Different);
         }
         Err(cause) => bail!(UsageError(cause.to_string())),
@@ -168,19 +170,7 @@ fn check_output(path: &Path, args: &DiffArgs) -> anyhow::Result<()> {
         ldr::LdrFormat::of_path(path).map_err(|e| UsageError(e.to_string()))?;
     }
     files::check_writable(path, std::iter::empty())?;
-    let place = |p: &Path| p.canonicalize().ok();
-    if let Some(input) = [&args.a, &args.b]
-        .into_iter()
-        .find(|input| place(input).is_some() && place(input) == place(path))
-    {
-        let cause = format!(
-            "{}: would replace an input, {}: choose another name for the output",
-            path.display(),
-            input.display()
-        );
-        bail!(UsageError(cause));
-    }
-    Ok(())
+    files::spare(path, [&*args.a, &*args.b].into_iter())
 }
 
 fn is_exr(path: &Path) -> bool {

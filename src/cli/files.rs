@@ -125,21 +125,26 @@ pub(super) fn spare_inputs<'a>(
     scene: &Scene,
 ) -> anyhow::Result<()> {
     for path in outputs {
-        let Ok(output) = path.canonicalize() else {
-            continue;
-        };
-        if let Some(input) = scene
-            .files
-            .iter()
-            .find(|f| f.canonicalize().is_ok_and(|f| f == output))
-        {
-            let cause = format!(
-                "{}: would replace an input, {}: choose another name for the output",
-                path.display(),
-                input.display()
-            );
-            bail!(UsageError(cause));
-        }
+        spare(path, scene.files.iter().map(PathBuf::as_path))?;
+    }
+    Ok(())
+}
+
+/// Refuses an output that would replace one of these files.
+pub(super) fn spare<'a>(
+    path: &Path,
+    mut inputs: impl Iterator<Item = &'a Path>,
+) -> anyhow::Result<()> {
+    let Ok(output) = path.canonicalize() else {
+        return Ok(());
+    };
+    if let Some(input) = inputs.find(|f| f.canonicalize().is_ok_and(|f| f == output)) {
+        let cause = format!(
+            "{}: would replace an input, {}: choose another name for the output",
+            path.display(),
+            input.display()
+        );
+        bail!(UsageError(cause));
     }
     Ok(())
 }

@@ -13,6 +13,10 @@ pub(super) fn add(picture: Picture, summary: &RenderSummary) -> Picture {
     let version = env!("CARGO_PKG_VERSION");
     let seconds = summary.seconds;
     let timings = json!({ "load": seconds.load, "build": seconds.build, "render": seconds.render });
+    let picture = match summary.quality() {
+        Some(quality) => picture.with_attribute("bspray/bspQuality", text(quality)),
+        None => picture,
+    };
     picture
         .with_attribute(attribute::SOFTWARE, text(&format!("bspray {version}")))
         .with_attribute("bspray/version", text(version))

@@ -4,7 +4,7 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use bspray::accel::bsp::polygon::SceneTrees;
-use bspray::accel::extents::{ExtentSphere, View};
+use bspray::accel::extents::{ExtentSphere, MeshAccelerator, View};
 use bspray::accel::{Accelerator, AcceleratorKind, BspQuality};
 use bspray::picture;
 use bspray::render::{self, Environment, Film, RenderOptions, Stage};
@@ -55,6 +55,8 @@ struct Built {
     accelerator: Box<dyn Accelerator>,
     /// Which of the spheres it asks, and an overlay draws.
     sphere: ExtentSphere,
+    /// Of its wide BSPs, if it has any.
+    quality: Option<BspQuality>,
     seconds: f64,
 }
 
@@ -62,6 +64,7 @@ struct Built {
 struct Staged<'s> {
     stage: Stage<'s>,
     sphere: ExtentSphere,
+    quality: Option<BspQuality>,
     seconds: f64,
 }
 
@@ -178,10 +181,16 @@ impl Studio<'_> {
         let quality = BspQuality::for_rays(rays.saturating_mul(pictures as u64), triangles);
         let options = self.args.bsp.options_for(self.args.seed, quality);
         let options = self.args.extents.add_to(options, view);
+        let has_wide = match self.args.accel {
+            AcceleratorKind::Bsp => true,
+            AcceleratorKind::Extents => options.mesh == MeshAccelerator::Bsp,
+            _ => false,
+        };
         let build = || self.args.accel.build_with(self.scene, &options);
         Ok(Built {
             accelerator: self.pool.install(build),
             sphere: options.sphere,
+            quality: has_wide.then_some(options.quality),
             seconds: started.elapsed().as_secs_f64(),
         })
     }
@@ -202,6 +211,7 @@ impl Studio<'_> {
         Staged {
             stage,
             sphere: built.sphere,
+            quality: built.quality,
             seconds: self.before.build + built.seconds + started.elapsed().as_secs_f64(),
         }
     }
@@ -238,6 +248,7 @@ impl Studio<'_> {
             args_models: &args.input.models,
             scene: self.scene,
             accelerator: args.accel,
+            bsp_quality: staged.quality,
             build: stage.accelerator.build_stats(),
             film: &film,
             options: &self.options,

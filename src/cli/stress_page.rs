@@ -143,13 +143,9 @@ fn first_failures(results: &StressResults) -> Table {
         .collect();
     let mut table = Table::new("first-failures", "Where each method first fails", &columns);
     for sweep in &results.sweeps {
-        let first = |name: &String| match result(sweep, name) {
-            Some(method) => match &method.first_failure {
-                Some(failure) => parameter_text(failure.value),
-                None if is_asked(method) => "never".to_owned(),
-                None => "not asked".to_owned(),
-            },
-            None => "not asked".to_owned(),
+        let first = |name: &String| {
+            let method = result(sweep, name);
+            method.map_or_else(String::new, |m| m.fails_at(&sweep.steps))
         };
         let mut row = vec![
             Cell::from(sweep.name.as_str()),
@@ -271,7 +267,7 @@ fn outcomes(sweep: &SweepResult) -> Table {
             |text: Option<String>| Cell::from(text.unwrap_or_else(|| "never".to_owned()).as_str());
         table.push(vec![
             method.method.as_str().into(),
-            text(first.map(at)),
+            method.fails_at(&sweep.steps).as_str().into(),
             how.as_deref().unwrap_or_default().into(),
             cause.unwrap_or_default().into(),
             text(blamed(Blame::Test)),
@@ -309,12 +305,7 @@ fn defects(results: &StressResults) -> Table {
         &["defect", "evidence"],
     );
     for defect in &results.defects {
-        let words = match (&defect.evidence, defect.is_looked_for) {
-            (Some(evidence), _) => evidence.as_str(),
-            (None, true) => "not found",
-            (None, false) => "not looked for",
-        };
-        table.push(vec![defect.name.as_str().into(), words.into()]);
+        table.push(vec![defect.name.as_str().into(), defect.words().into()]);
     }
     table
 }

@@ -103,11 +103,7 @@ fn row(method: &MethodResult, sweep: &SweepResult, out: &mut String) {
         ),
         Some(cell) => ended(&cell.ending),
     };
-    let fails = if first.is_some() {
-        at(first)
-    } else {
-        "never".to_owned()
-    };
+    let fails = method.fails_at(&sweep.steps);
     let unresolved = sum(|c| c.unresolved);
     let _ = writeln!(
         out,
@@ -175,12 +171,7 @@ fn leaks(leaks: &[LeakResult], out: &mut String) {
 fn obvhs(results: &StressResults, out: &mut String) {
     let _ = writeln!(out, "\nknown defects of obvhs 0.4.0");
     for defect in &results.defects {
-        let words = match (&defect.evidence, defect.is_looked_for) {
-            (Some(evidence), _) => evidence.as_str(),
-            (None, true) => "not found",
-            (None, false) => "not looked for",
-        };
-        let _ = writeln!(out, "- {}: {words}", defect.name);
+        let _ = writeln!(out, "- {}: {}", defect.name, defect.words());
     }
 }
 

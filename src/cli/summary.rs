@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use bspray::accel::{AcceleratorKind, BuildStats};
+use bspray::accel::{AcceleratorKind, BspQuality, BuildStats};
 use bspray::render::{Film, RenderOptions};
 use bspray::scene::Scene;
 use serde_json::{Value, json};
@@ -20,6 +20,8 @@ pub(super) struct RenderSummary<'a> {
     pub(super) args_models: &'a [PathBuf],
     pub(super) scene: &'a Scene,
     pub(super) accelerator: AcceleratorKind,
+    /// With how much care its wide BSPs were built, if it has any.
+    pub(super) bsp_quality: Option<BspQuality>,
     pub(super) build: BuildStats,
     pub(super) film: &'a Film,
     pub(super) options: &'a RenderOptions,
@@ -32,6 +34,11 @@ pub(super) struct RenderSummary<'a> {
 impl RenderSummary<'_> {
     fn rays_per_second(&self) -> f64 {
         self.film.rays().total() as f64 / self.seconds.render.max(1e-9)
+    }
+
+    /// The name of its wide BSPs' quality, if it has any.
+    pub(super) fn quality(&self) -> Option<&'static str> {
+        self.bsp_quality.map(BspQuality::name)
     }
 
     /// Mean of a count over all rays.
@@ -81,6 +88,7 @@ impl RenderSummary<'_> {
             ),
             ("triangles in structure", self.build.triangles.to_string()),
             ("accelerator", self.accelerator.to_string()),
+            ("BSP quality", self.quality().unwrap_or("-").to_owned()),
             (
                 "tree nodes",
                 format!("{} (depth {})", self.build.nodes, self.build.depth),
@@ -154,6 +162,7 @@ impl RenderSummary<'_> {
             },
             "accelerator": {
                 "kind": self.accelerator.name(),
+                "bsp_quality": self.quality(),
                 "triangles": self.build.triangles,
                 "nodes": self.build.nodes,
                 "depth": self.build.depth,

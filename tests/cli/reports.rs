@@ -67,6 +67,7 @@ fn render_tells_times_triangles_rays_and_bytes() {
     assert_eq!(value["complete"], true);
     assert_eq!(value["integrator"], "ao");
     assert_eq!(value["accelerator"]["kind"], "bvh2");
+    assert_eq!(value["accelerator"]["bsp_quality"], Value::Null);
     assert_eq!(value["outputs"], serde_json::json!(["a.png"]));
     assert_eq!(value["models"], serde_json::json!([block]));
     assert!(ran.stderr.contains(value["camera"].as_str().unwrap()));
@@ -138,6 +139,32 @@ fn inspect_counts_polygons_and_defects_and_joins_files() {
 }
 
 #[test]
+fn a_bsp_is_as_careful_as_its_rays_are_worth_unless_a_quality_is_named() {
+    let folder = tempfile::tempdir().unwrap();
+    let block = model("lecture-block.obj");
+    let quality = |args: &str| {
+        let words = format!("render MODEL -o a.png --json {args}");
+        let word = |w| if w == "MODEL" { block.as_str() } else { w };
+        let words: Vec<_> = words.split(' ').map(word).collect();
+        let ran = bspray(folder.path(), &words);
+        assert_eq!(ran.code, Some(0), "{ran:?}");
+        object(&ran.stdout)["accelerator"]["bsp_quality"].clone()
+    };
+    // Twenty triangles: a ray for some of them, and six a sample of many.
+    let (few, many) = ("--spp 1 --resolution 8x6 ", "--spp 16 --resolution 12x9 ");
+    let quality = |rays: &str, args: &str| quality(&format!("{rays}{args}"));
+    assert_eq!(quality(few, "--integrator facing"), "fast");
+    assert_eq!(quality(many, "--integrator path"), "default");
+    assert_eq!(quality(few, "--bsp-quality best"), "best");
+    assert_eq!(quality(many, "--bsp-quality fast"), "fast");
+    assert_eq!(quality(few, "--accel extents"), "fast");
+    assert_eq!(
+        quality(few, "--accel extents --mesh-accel bvh2"),
+        Value::Null
+    );
+}
+
+#[test]
 fn stats_are_a_table_of_the_same() {
     let folder = tempfile::tempdir().unwrap();
     let ran = render(folder.path(), "lecture-block.obj", &["--stats"]);
@@ -145,6 +172,7 @@ fn stats_are_a_table_of_the_same() {
     for (name, value) in [
         ("triangles placed", "20"),
         ("accelerator", "bsp"),
+        ("BSP quality", "fast"),
         ("samples", "48"),
         ("eye rays", "48"),
         ("ambient rays", "0"),

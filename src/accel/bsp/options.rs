@@ -42,8 +42,8 @@ pub enum BspQuality {
     Best,
 }
 
-/// Rays a triangle from which on a careful build pays. Of a path's rays in Sponza, 100 a triangle took as long in either tree, 430 took 7 to 20 % less in
-/// the default one, whose build takes two to four times as long.
+/// Rays a triangle from which on a careful build pays: between scenes that gain soon and such that gain late. Path-traced on one core, build included, Sponza
+/// took 11 % less in the default tree with 215 rays a triangle, the bunny 7 % more with 114.
 const MANY_RAYS: u64 = 200;
 
 impl BspQuality {

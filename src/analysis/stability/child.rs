@@ -48,13 +48,13 @@ pub struct CellTask {
 /// # Errors
 /// Names and steps that there are not.
 pub fn answer(task: &CellTask, seconds: u32) -> Result<String, String> {
-    limit_this_process(MEMORY, u64::from(seconds) + 1);
     let sweep = Sweep::named(&task.sweep)?;
     let method: Method = task.method.parse()?;
     let values = sweep.values();
     let value = values
         .get(task.step)
         .ok_or_else(|| format!("{} has {} steps", sweep.name, values.len()))?;
+    limit_this_process(MEMORY, u64::from(seconds) + 1);
     let case = sweep.case(*value, task.rays, task.seed);
     let reply = Judged::of(&case).cell(method);
     serde_json::to_string(&reply).map_err(|error| error.to_string())
@@ -173,20 +173,29 @@ mod tests {
     }
 
     #[test]
-    fn a_task_is_done_in_this_process_too() {
-        let task = CellTask {
-            sweep: "coincident".to_owned(),
-            step: 3,
-            method: "obvhs-bvh2".to_owned(),
-            rays: 20,
-            seed: 1,
-        };
+    fn a_reply_is_read_as_it_was_written() {
         let case = Sweep::named("coincident").unwrap().case(30.0, 20, 1);
         let reply = Judged::of(&case).cell(Method::ObvhsBvh2);
+        assert!(reply.cell.rays > 0);
         let text = serde_json::to_string(&reply).unwrap();
         let read: CellReply = serde_json::from_str(&text).unwrap();
-        assert_eq!(read.cell, reply.cell);
-        // The limits of `answer` itself would stay with the tests; only what it refuses is asked.
-        assert!(task.sweep.parse::<Method>().is_err());
+        assert_eq!((read.cell, read.wrong), (reply.cell, reply.wrong));
+    }
+
+    #[test]
+    fn tasks_that_there_are_not_are_refused() {
+        let refused = |sweep: &str, step, method: &str| {
+            let task = CellTask {
+                sweep: sweep.to_owned(),
+                step,
+                method: method.to_owned(),
+                rays: 1,
+                seed: 0,
+            };
+            answer(&task, 1).expect_err("no such task")
+        };
+        assert!(refused("coincidence", 0, "bsp").contains("coincidence"));
+        assert!(refused("coincident", 0, "bspp").contains("bspp"));
+        assert_eq!(refused("coincident", 99, "bsp"), "coincident has 12 steps");
     }
 }

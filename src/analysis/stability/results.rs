@@ -158,6 +158,17 @@ pub struct MethodResult {
 }
 
 impl MethodResult {
+    /// At which step it first fails, in words; `never` only of methods that were asked inside the domain.
+    pub fn fails_at(&self, steps: &[Step]) -> String {
+        let is_asked = |cell: &Cell| cell.ending != Ending::NotTried;
+        match &self.first_failure {
+            Some(failure) => parameter_text(steps[failure.step].value),
+            None if self.cells.iter().any(|cell| cell.rays > 0) => "never".to_owned(),
+            None if self.cells.iter().any(is_asked) => "outside".to_owned(),
+            None => "not asked".to_owned(),
+        }
+    }
+
     /// The first step with an error of the triangle test, or of the traversal.
     pub fn first_blamed(&self, blame: Blame) -> Option<usize> {
         self.cells.iter().position(|cell| match blame {
@@ -219,6 +230,17 @@ pub struct DefectResult {
     pub evidence: Option<String>,
     /// Whether what would show it was part of this run.
     pub is_looked_for: bool,
+}
+
+impl DefectResult {
+    /// The evidence, or why there is none.
+    pub fn words(&self) -> &str {
+        match (&self.evidence, self.is_looked_for) {
+            (Some(evidence), _) => evidence,
+            (None, true) => "not found",
+            (None, false) => "not looked for",
+        }
+    }
 }
 
 /// The signs of one predicate over a square of neighbouring floats, in both arithmetics: -1, 0, 1, row by row from the greatest y.

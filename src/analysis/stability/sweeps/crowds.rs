@@ -3,7 +3,7 @@
 use glam::DVec3;
 
 use super::super::random::Random;
-use super::shapes::{Shape, tetrahedron, through};
+use super::shapes::{Shape, from_around, tetrahedron, through};
 use super::{Case, PLAIN, Sweep};
 use crate::geometry::Ray;
 
@@ -76,10 +76,7 @@ fn stack(number: f64, count: usize, random: &mut Random, turns: bool) -> Case {
             let [a, b, c] = [0, 1, 2].map(|i| shape.positions[i]);
             let (u, v) = (random.unit() * 0.5, random.unit() * 0.6);
             let target = a + (b - a) * u + (c - a) * v;
-            through(
-                (target + random.direction() * 3.0).as_vec3(),
-                target.as_vec3(),
-            )
+            from_around(target, 3.0, random)
         })
         .collect();
     Case {

@@ -3,7 +3,7 @@
 use glam::DVec3;
 
 use super::super::random::Random;
-use super::shapes::{Shape, ball, grid, quad, through};
+use super::shapes::{Shape, ball, from_around, grid, quad};
 use super::{Case, PLAIN, Sweep, moved, powers, shaken, ulps};
 use crate::geometry::Ray;
 
@@ -119,10 +119,7 @@ fn crossing(angle: f64, count: usize, random: &mut Random) -> Case {
         let y = random.signed() * libm::pow(10.0, -6.0 * random.unit());
         let x = random.signed() * 0.8;
         let target = DVec3::new(x, y, 1.0 + 0.1 * x + 0.3 * y);
-        through(
-            (target + random.direction() * 2.0).as_vec3(),
-            target.as_vec3(),
-        )
+        from_around(target, 2.0, random)
     };
     let rays = (0..count).map(ray).collect();
     Case {
@@ -166,10 +163,7 @@ fn t_junction(ulps: f64, count: usize, random: &mut Random) -> Case {
     let rays = (0..count)
         .map(|_| {
             let target = bottom.lerp(top, random.unit());
-            through(
-                (target + random.direction() * 2.0).as_vec3(),
-                target.as_vec3(),
-            )
+            from_around(target, 2.0, random)
         })
         .collect();
     Case {

@@ -95,6 +95,12 @@ pub(in super::super) fn through(origin: Vec3, target: Vec3) -> Ray {
     Ray::new(origin, if way == Vec3::ZERO { Vec3::X } else { way })
 }
 
+/// A ray to a point from a random place at a distance from it.
+pub(super) fn from_around(target: DVec3, distance: f64, random: &mut Random) -> Ray {
+    let origin = target + random.direction() * distance;
+    through(origin.as_vec3(), target.as_vec3())
+}
+
 /// A turn that takes no axis to another.
 pub(super) fn turn() -> DQuat {
     DQuat::from_euler(glam::EulerRot::XYZ, 0.3, 0.7, 1.1)
