@@ -4,6 +4,8 @@
 //! equal ones: it overflows the stack). So equal boxes share an entry of the tree, and entries about one point are bounded. Ties, whose winner would depend on the build, are decided by
 //! [`Nearest`]; the walk is kept long enough to see them all.
 
+use std::marker::PhantomData;
+
 use super::TraceSet;
 use super::bake::{NamedTriangle, Placement, TriangleSet};
 use super::bvh::{BoxTree, BvhKind};
@@ -13,7 +15,7 @@ use super::instances::Top;
 use super::linear::offer;
 use super::normalized::{NormalizedSpace, Walk};
 use crate::geometry::tolerance::INSTANCE_FAR;
-use crate::geometry::{Aabb, Ray, RayFrame};
+use crate::geometry::{Aabb, Ray, RayFrame, TestedRay};
 
 /// Largest margin of an instance's box in the tree, in normalised units: more would reach out of the ball around the scene
 /// to which rays are cut. Only instances with a very uneven scale, or very far from their own origin, have more.
@@ -26,15 +28,16 @@ const MOST_ABOUT_A_POINT: usize = 1024;
 const CELLS: f32 = 524_288.0;
 
 /// A set of triangles under one of obvhs's trees.
-pub(super) struct BvhSet {
+pub(super) struct BvhSet<T = RayFrame> {
     space: NormalizedSpace,
     tree: BoxTree,
     /// For each entry of the tree, where its triangles begin; one more for the end.
     first_triangle: Vec<u32>,
     triangles: TriangleSet,
+    test: PhantomData<T>,
 }
 
-impl BvhSet {
+impl<T> BvhSet<T> {
     pub(super) fn build(set: TriangleSet, kind: BvhKind) -> Self {
         let bounds = set.iter().flat_map(|t| *t.triangle.corners()).collect();
         let space = NormalizedSpace::around(&bounds);
@@ -52,6 +55,7 @@ impl BvhSet {
             tree,
             first_triangle,
             triangles,
+            test: PhantomData,
         }
     }
 
@@ -97,7 +101,7 @@ fn entries(set: &TriangleSet, space: &NormalizedSpace) -> (Vec<Aabb>, Vec<Vec<u3
     (boxes, entries)
 }
 
-impl TraceSet for BvhSet {
+impl<T: TestedRay> TraceSet for BvhSet<T> {
     fn closest<C: Counter>(
         &self,
         ray: &Ray,
@@ -105,14 +109,14 @@ impl TraceSet for BvhSet {
         nearest: &mut Nearest,
         counter: &mut C,
     ) {
-        let frame = RayFrame::new(ray);
+        let tested = T::new(ray);
         match self.space.walk(ray) {
             Walk::Misses => {}
             Walk::TooFar => {
                 counter.primitives(self.triangles.len());
                 self.triangles
                     .iter()
-                    .for_each(|t| offer(&frame, t, instance, nearest));
+                    .for_each(|t| offer(&tested, t, instance, nearest));
             }
             Walk::Through(walk) => {
                 let mut limit = walk.limit(nearest.limit());
@@ -122,7 +126,7 @@ impl TraceSet for BvhSet {
                     let before = nearest.limit();
                     triangles
                         .iter()
-                        .for_each(|t| offer(&frame, t, instance, nearest));
+                        .for_each(|t| offer(&tested, t, instance, nearest));
                     if nearest.limit() < before {
                         limit = walk.limit(nearest.limit());
                     }
@@ -133,11 +137,11 @@ impl TraceSet for BvhSet {
     }
 
     fn any<C: Counter>(&self, ray: &Ray, counter: &mut C) -> bool {
-        let frame = RayFrame::new(ray);
+        let tested = T::new(ray);
         let test = |triangles: &[NamedTriangle], counter: &mut C| {
             let hit = triangles
                 .iter()
-                .position(|t| frame.intersect(&t.triangle).is_some());
+                .position(|t| tested.intersect(&t.triangle).is_some());
             counter.primitives(hit.map_or(triangles.len(), |h| h + 1));
             hit.is_some()
         };

@@ -35,6 +35,7 @@ pub use counters::{BuildStats, TraceCounters};
 pub use domain::{Domain, Outside};
 pub use hit::Hit;
 
+use bake::Placement;
 use bvh::BvhKind;
 use bvh_sets::{BvhSet, BvhTop};
 use counters::{Counter, Uncounted};
@@ -42,7 +43,7 @@ use hit::Nearest;
 use instances::{EveryPlacement, Instances};
 use linear::LinearSet;
 
-use crate::geometry::Ray;
+use crate::geometry::{Double, Fast, Ray, RayFrame, TestedRay, TriangleTest, Watertight};
 use crate::scene::Scene;
 
 /// A built structure that answers what rays hit.
@@ -256,20 +257,37 @@ impl AcceleratorKind {
         self.build_with(scene, &BuildOptions::default())
     }
 
+    /// Whether it can be built with this triangle test. `bsp` tests in its own lanes, exactly, and so does what `extents` has within objects.
+    pub const fn takes(self, test: TriangleTest) -> bool {
+        matches!(test, TriangleTest::Exact) || !matches!(self, Self::Bsp | Self::Extents)
+    }
+
     /// Builds the structure over all instances of the scene. Kinds that leave no choice do not look at the options.
     pub fn build_with(self, scene: &Scene, options: &BuildOptions) -> Box<dyn Accelerator> {
+        match options.test {
+            TriangleTest::Exact => self.build_tested::<RayFrame>(scene, options),
+            TriangleTest::Double => self.build_tested::<Double>(scene, options),
+            TriangleTest::Watertight => self.build_tested::<Watertight>(scene, options),
+            TriangleTest::Fast => self.build_tested::<Fast>(scene, options),
+        }
+    }
+
+    fn build_tested<T: TestedRay>(
+        self,
+        scene: &Scene,
+        options: &BuildOptions,
+    ) -> Box<dyn Accelerator> {
         let baked = bake::bake(scene);
         let bvh = |baked, kind| {
             Instances::build(
                 baked,
-                |set| BvhSet::build(set, kind),
+                |set| BvhSet::<T>::build(set, kind),
                 |placements| BvhTop::build(placements, kind),
             )
         };
+        let every = |placements: &[Placement]| EveryPlacement(placements.len() as u32);
         match self {
-            Self::Linear => Box::new(Instances::build(baked, LinearSet, |placements| {
-                EveryPlacement(placements.len() as u32)
-            })),
+            Self::Linear => Box::new(Instances::build(baked, LinearSet::<T>::new, every)),
             Self::Bsp => Box::new(Instances::build(
                 baked,
                 |set| bsp::wide::WideSet::build(set, options),
@@ -277,14 +295,11 @@ impl AcceleratorKind {
             )),
             Self::BspPolygon => {
                 let mut outlines = bsp::polygon::outlines(scene, &baked).into_iter();
-                Box::new(Instances::build(
-                    baked,
-                    |set| {
-                        let outlines = outlines.next().unwrap_or_default();
-                        bsp::polygon::PolygonSet::build(set, &outlines, options)
-                    },
-                    |placements| EveryPlacement(placements.len() as u32),
-                ))
+                let set = |set| {
+                    let outlines = outlines.next().unwrap_or_default();
+                    bsp::polygon::PolygonSet::<T>::build(set, &outlines, options)
+                };
+                Box::new(Instances::build(baked, set, every))
             }
             Self::Bvh2 => Box::new(bvh(baked, BvhKind::Binary)),
             Self::Cwbvh => Box::new(bvh(baked, BvhKind::Wide)),

@@ -22,6 +22,7 @@ pub(super) fn add(picture: Picture, summary: &RenderSummary) -> Picture {
         .with_attribute("bspray/version", text(version))
         .with_attribute("bspray/commandLine", text(&command_line()))
         .with_attribute("bspray/accelerator", text(summary.accelerator.name()))
+        .with_attribute("bspray/triangleTest", text(summary.triangle_test.name()))
         .with_attribute("bspray/integrator", text(summary.options.integrator.name()))
         .with_attribute("bspray/camera", text(summary.camera_flags))
         .with_attribute("bspray/seed", text(&summary.options.seed.to_string()))

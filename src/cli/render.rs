@@ -6,6 +6,7 @@ use std::time::Instant;
 use anyhow::{Context, bail};
 use bspray::accel::AcceleratorKind;
 use bspray::accel::bsp::polygon::SceneTrees;
+use bspray::geometry::TriangleTest;
 use bspray::render::{Integrator, LightSearch, PixelFilter, PixelRect, RenderOptions};
 use bspray::scene::Scene;
 use clap::{Args, ValueEnum};
@@ -57,6 +58,9 @@ pub(super) struct RenderArgs {
     #[arg(long, value_name = "KIND", default_value_t = AcceleratorKind::default(), value_parser = values::accelerator,
         long_help = accelerator_help("The structure that finds what rays hit"))]
     pub(super) accel: AcceleratorKind,
+    /// How it is decided what a ray hits: all but `exact` may be wrong, and `bsp` and `extents` have no other
+    #[arg(long, value_name = "TEST", default_value_t = TriangleTest::default(), value_parser = triangle_test, long_help = triangle_test_help())]
+    pub(super) intersect: TriangleTest,
     #[command(flatten)]
     pub(super) bsp: BspArgs,
     #[command(flatten)]
@@ -182,6 +186,33 @@ pub(super) fn accelerator_help(purpose: &str) -> String {
     format!("{purpose}\n\n{}", lines.join("\n"))
 }
 
+fn triangle_test(text: &str) -> Result<TriangleTest, String> {
+    bsp_args::one_of(TriangleTest::ALL, TriangleTest::name, text)
+}
+
+/// What the option is for, and a line about every test.
+fn triangle_test_help() -> String {
+    let lines = TriangleTest::ALL.map(|t| format!("- {}: {}", t.name(), t.description()));
+    format!(
+        "How it is decided what a ray hits. `bsp` and `extents` only take `exact`; the others are there to see what goes wrong\n\n{}",
+        lines.join("\n")
+    )
+}
+
+/// Refuses a test that the structure does not take.
+fn check_triangle_test(args: &RenderArgs) -> anyhow::Result<()> {
+    let (accel, test) = (args.accel, args.intersect);
+    if !accel.takes(test) {
+        let others = AcceleratorKind::ALL.into_iter().filter(|k| k.takes(test));
+        let others: Vec<_> = others.map(AcceleratorKind::name).collect();
+        bail!(UsageError(format!(
+            "--intersect {test}: {accel} only takes exact; {} have it",
+            others.join(", ")
+        )));
+    }
+    Ok(())
+}
+
 /// Renders.
 pub(super) fn run(args: &RenderArgs) -> anyhow::Result<Done> {
     progress::handle_signals()?;
@@ -196,6 +227,7 @@ pub(super) fn run(args: &RenderArgs) -> anyhow::Result<Done> {
     }
     args.extents
         .check(&[args.accel], args.overlay.shows_extents())?;
+    check_triangle_test(args)?;
     args.overlay.check(args.pixel.is_some())?;
     args.lens.check(args.overlay.is_wanted())?;
     let window = window(args)?;

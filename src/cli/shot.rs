@@ -5,7 +5,7 @@ use std::time::Instant;
 
 use bspray::accel::bsp::polygon::SceneTrees;
 use bspray::accel::extents::{ExtentSphere, MeshAccelerator, View};
-use bspray::accel::{Accelerator, AcceleratorKind, BspQuality};
+use bspray::accel::{Accelerator, AcceleratorKind, BspQuality, BuildOptions};
 use bspray::picture;
 use bspray::render::{self, Environment, Film, RenderOptions, Stage};
 use bspray::scene::{Camera, Scene};
@@ -180,7 +180,10 @@ impl Studio<'_> {
             .sum();
         let quality = BspQuality::for_rays(rays.saturating_mul(pictures as u64), triangles);
         let options = self.args.bsp.options_for(self.args.seed, quality);
-        let options = self.args.extents.add_to(options, view);
+        let options = BuildOptions {
+            test: self.args.intersect,
+            ..self.args.extents.add_to(options, view)
+        };
         let has_wide = match self.args.accel {
             AcceleratorKind::Bsp => true,
             AcceleratorKind::Extents => options.mesh == MeshAccelerator::Bsp,
@@ -249,6 +252,7 @@ impl Studio<'_> {
             scene: self.scene,
             accelerator: args.accel,
             bsp_quality: staged.quality,
+            triangle_test: args.intersect,
             build: stage.accelerator.build_stats(),
             film: &film,
             options: &self.options,

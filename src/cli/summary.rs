@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use bspray::accel::{AcceleratorKind, BspQuality, BuildStats};
+use bspray::geometry::TriangleTest;
 use bspray::render::{Film, RenderOptions};
 use bspray::scene::Scene;
 use serde_json::{Value, json};
@@ -22,6 +23,7 @@ pub(super) struct RenderSummary<'a> {
     pub(super) accelerator: AcceleratorKind,
     /// With how much care its wide BSPs were built, if it has any.
     pub(super) bsp_quality: Option<BspQuality>,
+    pub(super) triangle_test: TriangleTest,
     pub(super) build: BuildStats,
     pub(super) film: &'a Film,
     pub(super) options: &'a RenderOptions,
@@ -88,6 +90,7 @@ impl RenderSummary<'_> {
             ),
             ("triangles in structure", self.build.triangles.to_string()),
             ("accelerator", self.accelerator.to_string()),
+            ("triangle test", self.triangle_test.to_string()),
             ("BSP quality", self.quality().unwrap_or("-").to_owned()),
             (
                 "tree nodes",
@@ -163,6 +166,7 @@ impl RenderSummary<'_> {
             "accelerator": {
                 "kind": self.accelerator.name(),
                 "bsp_quality": self.quality(),
+                "triangle_test": self.triangle_test.name(),
                 "triangles": self.build.triangles,
                 "nodes": self.build.nodes,
                 "depth": self.build.depth,

@@ -12,6 +12,7 @@ mod ray;
 mod ray_frame;
 pub mod tolerance;
 mod triangle;
+mod triangle_tests;
 
 pub use aabb::Aabb;
 pub use bounding_sphere::BoundingSphere;
@@ -21,3 +22,5 @@ pub use ray::{Ray, RayOrigin};
 pub(crate) use ray_frame::rounded;
 pub use ray_frame::{RayFrame, Verdict};
 pub use triangle::{Barycentric, Triangle};
+pub use triangle_tests::TriangleTest;
+pub(crate) use triangle_tests::{Double, Fast, TestedRay, Watertight, moller_trumbore};

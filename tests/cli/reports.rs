@@ -172,6 +172,7 @@ fn stats_are_a_table_of_the_same() {
     for (name, value) in [
         ("triangles placed", "20"),
         ("accelerator", "bsp"),
+        ("triangle test", "exact"),
         ("BSP quality", "fast"),
         ("samples", "48"),
         ("eye rays", "48"),

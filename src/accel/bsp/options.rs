@@ -4,6 +4,7 @@ use std::fmt;
 
 use super::wide::Instructions;
 use crate::accel::extents::{ExtentChoice, ExtentSphere, MeshAccelerator, View};
+use crate::geometry::TriangleTest;
 
 /// How an accelerator is built, for those that leave a choice.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -20,6 +21,8 @@ pub struct BuildOptions {
     pub merges_coplanar: bool,
     /// Seed of the polygon tree's random choices.
     pub seed: u64,
+    /// For kinds that [have a choice](crate::accel::AcceleratorKind::takes): how it is decided what a ray hits. All but the exact test break the accelerators' contract.
+    pub test: TriangleTest,
     /// For the loop over objects: which extents are tested.
     pub extents: ExtentChoice,
     /// For the loop over objects: which sphere an object gets.

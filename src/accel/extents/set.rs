@@ -21,7 +21,7 @@ pub(super) enum MeshSet {
 impl MeshSet {
     pub(super) fn build(set: TriangleSet, options: &BuildOptions) -> Self {
         match options.mesh {
-            MeshAccelerator::Linear => Self::Linear(LinearSet(set)),
+            MeshAccelerator::Linear => Self::Linear(LinearSet::new(set)),
             MeshAccelerator::Bsp => Self::Wide(Box::new(WideSet::build(set, options))),
             MeshAccelerator::Bvh2 => Self::Bvh(Box::new(BvhSet::build(set, BvhKind::Binary))),
             MeshAccelerator::Cwbvh => Self::Bvh(Box::new(BvhSet::build(set, BvhKind::Wide))),

@@ -1,8 +1,8 @@
 //! The methods whose answers are looked at: all accelerators, and what they are better than. The one registry of `stress`.
 
-use super::naive::{EpsilonBsp, Every, MOLLER_TRUMBORE, WOOP};
-use crate::accel::{Accelerator, AcceleratorKind, AsShipped, Hit, ShippedTree};
-use crate::geometry::Ray;
+use super::naive::{EpsilonBsp, Every};
+use crate::accel::{Accelerator, AcceleratorKind, AsShipped, BuildOptions, Hit, ShippedTree};
+use crate::geometry::{Ray, TriangleTest};
 use crate::render::Answer;
 use crate::scene::Scene;
 
@@ -11,8 +11,12 @@ use crate::scene::Scene;
 pub enum Method {
     /// One of the crate's own; owes the exact answer.
     Structure(AcceleratorKind),
-    /// Brute force with the test of Woop, Benthin and Wald as published.
+    /// Brute force with the test in double precision: `--intersect double`.
+    Double,
+    /// Brute force with the test of Woop, Benthin and Wald as published: `--intersect watertight`.
     Woop,
+    /// Brute force with the test of Moller and Trumbore without an epsilon: `--intersect fast`.
+    Fast,
     /// Brute force with the test of Moller and Trumbore in `f32`.
     MollerTrumbore,
     /// A BSP of cut triangles with a fixed epsilon, in `f32`.
@@ -32,6 +36,8 @@ pub enum Method {
 /// A method, ready to answer.
 pub(super) enum Built {
     Structure(Box<dyn Accelerator>),
+    /// With a test that is not exact.
+    Tested(Box<dyn Accelerator>),
     Every(Every),
     EpsilonBsp(EpsilonBsp),
     Shipped(AsShipped),
@@ -46,7 +52,9 @@ impl Method {
         let structures = AcceleratorKind::ALL.into_iter().map(Self::Structure);
         structures
             .chain([
+                Self::Double,
                 Self::Woop,
+                Self::Fast,
                 Self::MollerTrumbore,
                 Self::EpsilonBsp,
                 Self::ObvhsTriangle,
@@ -62,7 +70,9 @@ impl Method {
     pub const fn name(self) -> &'static str {
         match self {
             Self::Structure(kind) => kind.name(),
+            Self::Double => "double",
             Self::Woop => "woop",
+            Self::Fast => "fast",
             Self::MollerTrumbore => "moller-trumbore",
             Self::EpsilonBsp => "epsilon-bsp",
             Self::ObvhsTriangle => "obvhs-triangle",
@@ -77,7 +87,13 @@ impl Method {
     pub const fn description(self) -> &'static str {
         match self {
             Self::Structure(kind) => kind.description(),
-            Self::Woop => "brute force, Woop's watertight test as published: f32, f64 on edges",
+            Self::Double => "brute force, edge functions in f64: --intersect double",
+            Self::Woop => {
+                "brute force, Woop's watertight test as published: --intersect watertight"
+            }
+            Self::Fast => {
+                "brute force, Moller and Trumbore's test in f32 without an epsilon: --intersect fast"
+            }
             Self::MollerTrumbore => "brute force, Moller and Trumbore's test in f32, epsilon 1e-6",
             Self::EpsilonBsp => "BSP of cut triangles in f32, epsilon 1e-5",
             Self::ObvhsTriangle => "brute force, obvhs's own triangle test",
@@ -97,7 +113,9 @@ impl Method {
     pub const fn may_run_away(self) -> bool {
         match self {
             Self::Structure(kind) => matches!(kind, AcceleratorKind::BspPolygon),
-            Self::Woop | Self::MollerTrumbore | Self::ObvhsTriangle => false,
+            Self::Double | Self::Woop | Self::Fast | Self::MollerTrumbore | Self::ObvhsTriangle => {
+                false
+            }
             _ => true,
         }
     }
@@ -108,7 +126,7 @@ impl Method {
             Self::Structure(_) | Self::ObvhsBvh2Boxes | Self::ObvhsCwbvhBoxes => {
                 Self::Structure(AcceleratorKind::Linear)
             }
-            Self::Woop => Self::Woop,
+            Self::Double | Self::Woop | Self::Fast => self,
             Self::MollerTrumbore | Self::EpsilonBsp => Self::MollerTrumbore,
             Self::ObvhsTriangle | Self::ObvhsBvh2 | Self::ObvhsCwbvh => Self::ObvhsTriangle,
         }
@@ -117,10 +135,19 @@ impl Method {
     pub(super) fn build(self, scene: &Scene) -> Built {
         let shipped =
             |tree, has_exact_test| Built::Shipped(AsShipped::build(scene, tree, has_exact_test));
+        let tested = |test| {
+            let options = BuildOptions {
+                test,
+                ..BuildOptions::default()
+            };
+            Built::Tested(AcceleratorKind::Linear.build_with(scene, &options))
+        };
         match self {
             Self::Structure(kind) => Built::Structure(kind.build(scene)),
-            Self::Woop => Built::Every(Every::build(scene, WOOP)),
-            Self::MollerTrumbore => Built::Every(Every::build(scene, MOLLER_TRUMBORE)),
+            Self::Double => tested(TriangleTest::Double),
+            Self::Woop => tested(TriangleTest::Watertight),
+            Self::Fast => tested(TriangleTest::Fast),
+            Self::MollerTrumbore => Built::Every(Every::build(scene)),
             Self::EpsilonBsp => Built::EpsilonBsp(EpsilonBsp::build(scene)),
             Self::ObvhsTriangle => shipped(ShippedTree::Every, false),
             Self::ObvhsBvh2 => shipped(ShippedTree::Binary, false),
@@ -150,7 +177,7 @@ impl Built {
     /// The nearest hit.
     pub(super) fn closest_hit(&self, ray: &Ray) -> Option<Hit> {
         match self {
-            Self::Structure(structure) => structure.closest_hit(ray),
+            Self::Structure(structure) | Self::Tested(structure) => structure.closest_hit(ray),
             Self::Every(every) => every.closest_hit(ray),
             Self::EpsilonBsp(tree) => tree.closest_hit(ray),
             Self::Shipped(tree) => tree.closest_hit(ray),

@@ -1,5 +1,7 @@
 //! The tree as an accelerator of one set of triangles.
 
+use std::marker::PhantomData;
+
 use super::tree::PolygonBsp;
 use super::walk::Walk;
 use crate::accel::TraceSet;
@@ -8,18 +10,19 @@ use crate::accel::bsp::options::BuildOptions;
 use crate::accel::counters::{BuildStats, Counter};
 use crate::accel::hit::Nearest;
 use crate::accel::names::Names;
-use crate::geometry::{Ray, RayFrame, Triangle};
+use crate::geometry::{Ray, RayFrame, TestedRay, Triangle};
 
 /// A set of triangles under a polygon BSP.
-pub(in crate::accel) struct PolygonSet {
+pub(in crate::accel) struct PolygonSet<T = RayFrame> {
     triangles: Vec<Triangle>,
     names: Names,
     walk: Walk,
     nodes: u64,
     depth: u32,
+    test: PhantomData<T>,
 }
 
-impl PolygonSet {
+impl<T> PolygonSet<T> {
     /// `outlines` are runs of triangles that were one polygon of the file.
     pub(in crate::accel) fn build(
         set: TriangleSet,
@@ -34,11 +37,12 @@ impl PolygonSet {
             depth: tree.stats().depth,
             walk: Walk::new(&tree),
             triangles: tree.triangles,
+            test: PhantomData,
         }
     }
 }
 
-impl TraceSet for PolygonSet {
+impl<T: TestedRay> TraceSet for PolygonSet<T> {
     fn closest<C: Counter>(
         &self,
         ray: &Ray,
@@ -46,24 +50,24 @@ impl TraceSet for PolygonSet {
         nearest: &mut Nearest,
         counter: &mut C,
     ) {
-        let mut frame = RayFrame::new(ray);
+        let mut tested = T::new(ray);
         self.walk.visit(ray, counter, |run, counter| {
             counter.primitives(run.len());
             for &number in run {
-                if let Some(t) = frame.intersect(&self.triangles[number as usize]) {
+                if let Some(t) = tested.intersect(&self.triangles[number as usize]) {
                     self.names.offer(t, number, instance, nearest);
                 }
             }
-            frame.set_max(nearest.limit());
+            tested.set_max(nearest.limit());
             nearest.limit()
         });
     }
 
     fn any<C: Counter>(&self, ray: &Ray, counter: &mut C) -> bool {
-        let frame = RayFrame::new(ray);
+        let tested = T::new(ray);
         let mut is_hit = false;
         self.walk.visit(ray, counter, |run, counter| {
-            let hits = |&t: &u32| frame.intersect(&self.triangles[t as usize]).is_some();
+            let hits = |&t: &u32| tested.intersect(&self.triangles[t as usize]).is_some();
             let hit = run.iter().position(hits);
             counter.primitives(hit.map_or(run.len(), |h| h + 1));
             is_hit = hit.is_some();

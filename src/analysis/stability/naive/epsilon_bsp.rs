@@ -3,7 +3,7 @@
 
 use glam::Vec3;
 
-use super::{MOLLER_TRUMBORE, TriangleTest};
+use super::textbook_test;
 use crate::accel::{Hit, world_triangles};
 use crate::geometry::tolerance::NAIVE_PLANE;
 use crate::geometry::{Ray, Triangle};
@@ -35,7 +35,6 @@ struct Node {
 pub(crate) struct EpsilonBsp {
     nodes: Vec<Node>,
     root: Option<u32>,
-    test: TriangleTest,
 }
 
 impl EpsilonBsp {
@@ -44,7 +43,6 @@ impl EpsilonBsp {
         let mut tree = Self {
             nodes: Vec::new(),
             root: None,
-            test: MOLLER_TRUMBORE,
         };
         let pieces = world_triangles(scene)
             .into_iter()
@@ -133,7 +131,7 @@ impl EpsilonBsp {
         let slope = node.normal.dot(ray.direction);
         let crossing = -height / slope;
         for piece in &node.coplanar {
-            if let Some(t) = (self.test)(ray, &piece.triangle)
+            if let Some(t) = textbook_test(ray, &piece.triangle)
                 && nearest.is_none_or(|hit| t < hit.t)
             {
                 *nearest = Some(Hit {
