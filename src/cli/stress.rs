@@ -1,11 +1,13 @@
 //! `bspray stress`: where methods fail.
 
+use std::ffi::OsString;
 use std::io::IsTerminal;
 use std::path::PathBuf;
 use std::sync::Mutex;
 use std::time::Instant;
 
 use anyhow::{Context, bail};
+use bspray::accel::Embree;
 use bspray::analysis::stability::{
     CellTask, Isolation, Method, StressOptions, StressResults, Sweep, answer,
 };
@@ -38,7 +40,7 @@ pub(super) struct StressArgs {
     /// Few rays: less than two minutes on two cores
     #[arg(long, conflicts_with = "thorough")]
     quick: bool,
-    /// Very many rays, 1,000,000,000 of them from inside a closed mesh, and 120 s for what may run away; takes hours
+    /// Very many rays, 1,000,000,000 of them from inside a closed mesh, and 120 s for what may run away; takes an hour or more
     #[arg(long)]
     thorough: bool,
     /// Only these sweeps, with commas between [default: all]
@@ -48,6 +50,9 @@ pub(super) struct StressArgs {
     /// Only these methods and the default structure, with commas between [default: all]
     #[arg(long, value_name = "NAME,...", value_delimiter = ',', long_help = method_help())]
     method: Vec<Method>,
+    /// Embree 4's library, such as /usr/lib/libembree4.so.4, for the methods embree and embree-robust
+    #[arg(long, value_name = "FILE")]
+    embree: Option<PathBuf>,
     /// Rays a step, in place of those of --quick and --thorough
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=values::MOST_RAYS))]
     rays: Option<u32>,
@@ -77,6 +82,8 @@ pub(super) struct StressArgs {
 /// Arguments of the hidden `bspray stress-cell`.
 #[derive(Args, Debug)]
 pub(super) struct StressCellArgs {
+    #[arg(long)]
+    embree: Option<PathBuf>,
     sweep: String,
     step: usize,
     method: String,
@@ -160,8 +167,22 @@ fn options(args: &StressArgs) -> anyhow::Result<StressOptions> {
             }
         }
     }
-    let is_wanted =
-        |m: &Method| args.method.is_empty() || args.method.contains(m) || *m == Method::DEFAULT;
+    let embree = loaded(args.embree.as_ref())?;
+    if let (None, Some(method)) = (&embree, args.method.iter().find(|m| m.needs_embree())) {
+        let name = method.name();
+        bail!(UsageError(format!(
+            "--method {name} needs --embree FILE, Embree 4's library"
+        )));
+    }
+    let is_wanted = |m: &Method| {
+        let is_there = embree.is_some() || !m.needs_embree();
+        let is_named = args.method.is_empty() || args.method.contains(m);
+        is_there && (is_named || *m == Method::DEFAULT)
+    };
+    let mut arguments: Vec<OsString> = vec!["stress-cell".into()];
+    if let Some(path) = &args.embree {
+        arguments.extend(["--embree".into(), path.into()]);
+    }
     let program =
         std::env::current_exe().context("cannot find this program, to start it as a child")?;
     Ok(StressOptions {
@@ -176,10 +197,17 @@ fn options(args: &StressArgs) -> anyhow::Result<StressOptions> {
         seed: args.seed,
         isolation: Some(Isolation {
             program,
-            arguments: vec!["stress-cell".to_owned()],
+            arguments,
             seconds: args.time_limit.unwrap_or(profile.2),
         }),
+        embree,
     })
+}
+
+/// Embree, if a file is named. It builds on one thread: steps run beside one another as it is, and equal scenes get equal trees.
+fn loaded(path: Option<&PathBuf>) -> anyhow::Result<Option<Embree>> {
+    let load = |path: &PathBuf| Embree::load(path, 1).context("cannot load --embree");
+    path.map(load).transpose()
 }
 
 /// Does one piece of work for a parent.
@@ -191,7 +219,8 @@ pub(super) fn cell(args: &StressCellArgs) -> anyhow::Result<Done> {
         rays: args.rays,
         seed: args.seed,
     };
-    output::result(&answer(&task, args.seconds).map_err(UsageError)?)?;
+    let embree = loaded(args.embree.as_ref())?;
+    output::result(&answer(&task, args.seconds, embree.as_ref()).map_err(UsageError)?)?;
     Ok(Done::Completely)
 }
 

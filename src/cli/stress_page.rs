@@ -16,9 +16,12 @@ const SIGN_SCALE: u32 = 6;
 
 /// The page: verdict, all sweeps at a glance, each sweep, leaks, defects, signs.
 pub(super) fn page(results: &StressResults) -> Report {
-    let provenance = Provenance::of_run(&command_line())
+    let mut provenance = Provenance::of_run(&command_line())
         .with("seed", &results.seed.to_string())
         .with("rays a step, at most", &results.rays.to_string());
+    if let Some(version) = &results.embree {
+        provenance = provenance.with("Embree", version);
+    }
     let mut page = Report::new("Where methods fail", provenance);
     let (tone, words) = verdict(results);
     page.push(Section::Verdict(tone, words));
