@@ -38,9 +38,10 @@ fn main() -> anyhow::Result<()> {
     let args = Args::parse(std::env::args().skip(1))?;
     let scene = scene(&args.scene)?;
     let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build()?;
-    let (accelerator, seconds) = pool.install(|| build(args.kind, &scene, &args.options));
+    let once = || args.kind.build_with(&scene, &args.options);
+    let (accelerator, cost) = pool.install(|| build(&once, None));
     drop(pool);
-    println!("ready {seconds} {}", accelerator.build_stats().bytes);
+    println!("ready {} {}", cost.seconds, accelerator.build_stats().bytes);
     serve(&*accelerator, args.is_batch)
 }
 

@@ -73,6 +73,7 @@ fn report() -> Report {
                 let x = libm::exp10(f64::from(i) - 2.0);
                 let y = base / (0.3 + x) * (1.0 + 0.2 * libm::sin(f64::from(i)));
                 Point {
+                    across: None,
                     x,
                     y,
                     interval: Some([y * 0.7, y * 1.4]),
@@ -110,6 +111,7 @@ fn report() -> Report {
         points: points
             .iter()
             .map(|&(x, y, label)| Point {
+                across: None,
                 x,
                 y,
                 interval: None,

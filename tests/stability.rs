@@ -108,9 +108,10 @@ fn a_method_without_an_end_is_ended_and_named() {
         seed: 0,
         isolation: Some(Isolation {
             program: "/bin/sh".into(),
-            arguments: vec!["-c".to_owned(), "exec sleep 30".to_owned()],
+            arguments: vec!["-c".into(), "exec sleep 30".into()],
             seconds: 1,
         }),
+        embree: None,
     };
     let results = StressResults::of(&options, &|_| ());
     let shipped = &results.sweeps[0].methods[1];

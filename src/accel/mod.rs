@@ -20,6 +20,7 @@ mod bvh_as_shipped;
 mod bvh_sets;
 mod counters;
 mod domain;
+mod embree;
 pub mod extents;
 mod hit;
 mod instances;
@@ -33,6 +34,7 @@ pub use bsp::{BspAxes, BspInstructions, BspOrder, BspQuality, BuildOptions};
 pub use bvh_as_shipped::{AsShipped, FormulaCheck, ShippedTree, formula_checks, world_triangles};
 pub use counters::{BuildStats, TraceCounters};
 pub use domain::{Domain, Outside};
+pub use embree::{Embree, EmbreeError, EmbreeMode, EmbreeScene};
 pub use hit::Hit;
 
 use bake::Placement;

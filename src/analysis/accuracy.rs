@@ -4,7 +4,7 @@ use rayon::prelude::*;
 
 use super::view_rays::Query;
 use crate::accel::{Hit, TestSpaces};
-use crate::geometry::{Ray, exact};
+use crate::geometry::{Ray, Triangle, exact};
 use crate::render::Answer;
 use crate::scene::Scene;
 
@@ -118,20 +118,39 @@ impl<'a> Oracle<'a> {
         }
     }
 
-    /// Where the ray hits a triangle. Names that the scene does not have are never hit.
     fn hit(&self, ray: &Ray, instance: u32, triangle: u32) -> Option<Hit> {
-        let placed = self.scene.instances.get(instance as usize)?;
-        let mesh = &self.scene.meshes[placed.mesh as usize];
-        (triangle < mesh.triangles.len() as u32).then_some(())?;
-        let (ray, tested) = self.spaces.test(self.scene, ray, instance, triangle);
-        // The same in two steps: integers are needed for few, and cost a hundred times as much.
-        exact::meets(&ray, &tested).then_some(())?;
-        exact::intersect(&ray, &tested).map(|t| Hit {
+        let t = self.hit_of(ray, instance, triangle)?;
+        Some(Hit {
             t,
             instance,
             triangle,
         })
     }
+
+    /// Where the ray truly hits the triangle of that name; a name that nobody has is not hit.
+    pub fn hit_of(&self, ray: &Ray, instance: u32, triangle: u32) -> Option<f32> {
+        let (ray, tested) = self.tested(ray, instance, triangle)?;
+        exact_hit(&ray, &tested)
+    }
+
+    /// The ray and the triangle of that name in the space in which they are tested.
+    pub(super) fn tested(
+        &self,
+        ray: &Ray,
+        instance: u32,
+        triangle: u32,
+    ) -> Option<(Ray, Triangle)> {
+        let placed = self.scene.instances.get(instance as usize)?;
+        let count = self.scene.meshes[placed.mesh as usize].triangles.len();
+        ((triangle as usize) < count).then(|| self.spaces.test(self.scene, ray, instance, triangle))
+    }
+}
+
+/// Where a ray hits a triangle of the same space.
+pub(super) fn exact_hit(ray: &Ray, triangle: &Triangle) -> Option<f32> {
+    // The same in two steps: integers are needed for few, and cost a hundred times as much.
+    exact::meets(ray, triangle).then_some(())?;
+    exact::intersect(ray, triangle)
 }
 
 /// The order in which hits win.

@@ -3,14 +3,13 @@
 //! The lecture says that projection extents give eye rays "a dramatic gain", and that extents are "of little service for secondary rays": this puts numbers to it.
 
 use super::measure::{self, Speed};
-use super::view_rays::{Query, RayPurpose, RaySet, ViewOptions, view_rays};
+use super::view_rays::{Query, RaySet, ViewOptions, view_rays};
 use crate::accel::extents::{
     CostTable, ExtentChoice, ExtentSet, ExtentTally, ExtentTest, ExtentsLoop, MeshAccelerator,
     ObjectTally, View,
 };
 use crate::accel::{Accelerator, AcceleratorKind, BuildOptions};
-use crate::geometry::{Ray, RayOrigin};
-use crate::render::{SkyMode, Stage, Surface};
+use crate::render::{SkyMode, Stage};
 use crate::scene::Scene;
 use glam::Vec3;
 
@@ -107,7 +106,13 @@ impl Ladder {
             })
             .collect();
         for (_, set) in &sets {
-            let speeds = measure::speeds_in_turns(&accelerators, set, options.repetitions);
+            let speeds = measure::speeds_in_turns(
+                &accelerators,
+                set,
+                options.repetitions,
+                options.seed,
+                &|| (),
+            );
             for (number, step) in found.iter_mut().enumerate() {
                 let (cost, tally) = match &built[number] {
                     Built::Loop(objects) => {
@@ -211,29 +216,8 @@ pub fn ray_sets(
         most_rays: options.most_rays,
         seed: options.seed,
     };
-    let [eye, shadow, ..] = view_rays(&stage, &options.view.camera, &view);
-    let mirrored = eye.rays.iter().filter_map(|ray| mirror_ray(&stage, ray));
-    let mirror = RaySet {
-        purpose: RayPurpose::Bounce,
-        rays: mirrored.collect(),
-    };
-    [("eye", eye), ("shadow", shadow), ("mirror", mirror)]
-}
-
-/// The ray that a mirror in the place of what is met would send on.
-fn mirror_ray(stage: &Stage, ray: &Ray) -> Option<Ray> {
-    let surface = Surface::at(stage, ray, stage.accelerator.closest_hit(ray)?);
-    let normal = surface.geometric_normal;
-    let direction = ray.direction - normal * (2.0 * ray.direction.dot(normal));
-    let source = RayOrigin {
-        depth: ray.source.depth + 1,
-        pixel: None,
-    };
-    let onward = Ray {
-        source,
-        ..Ray::new(surface.origin_towards(direction), direction)
-    };
-    onward.is_traceable().then_some(onward)
+    let [eye, shadow, mirror, ..] = view_rays(&stage, &options.view.camera, &view);
+    [eye, shadow, mirror].map(|set| (set.purpose.name(), set))
 }
 
 #[cfg(test)]

@@ -6,10 +6,11 @@
 use std::hint::black_box;
 
 use super::clock::Stopwatch;
+use super::estimate::Estimate;
+use super::memory::MemoryMeter;
 use super::view_rays::{Query, RaySet};
-use crate::accel::{Accelerator, AcceleratorKind, BuildOptions, TraceCounters};
+use crate::accel::{Accelerator, TraceCounters};
 use crate::render::Answer;
-use crate::scene::Scene;
 
 /// Least processor seconds of one timing: shorter passes over the rays are repeated within it, so that the clock's own cost and grain do not
 /// count. Longer makes small comparisons slow.
@@ -18,75 +19,58 @@ const LEAST_TIMING: f64 = 0.005;
 /// A build of fewer seconds is repeated, and the shortest of three counts: the first also pays for fresh memory pages.
 const SHORT_BUILD: f64 = 1.0;
 
-/// The median of some values, and the quartiles around it.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Spread {
-    /// A quarter of the values is at most this.
-    pub lower: f64,
-    /// Half of the values are at most this.
-    pub median: f64,
-    /// Three quarters of the values are at most this.
-    pub upper: f64,
-}
-
-impl Spread {
-    /// Of the values, between neighbours where the share falls between two; `None` without values.
-    pub fn of(mut values: Vec<f64>) -> Option<Self> {
-        let last = values.len().checked_sub(1)?;
-        values.sort_by(f64::total_cmp);
-        let at = |share: f64| {
-            let place = last as f64 * share;
-            let below = place as usize;
-            let rest = place - below as f64;
-            values[below] + (values[(below + 1).min(last)] - values[below]) * rest
-        };
-        Some(Self {
-            lower: at(0.25),
-            median: at(0.5),
-            upper: at(0.75),
-        })
-    }
-
-    /// Half the distance between the quartiles.
-    pub fn half_width(&self) -> f64 {
-        (self.upper - self.lower) / 2.0
-    }
-}
-
 /// How fast one method answered, over all repetitions.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Speed {
     /// Rays a second of processor time, on one thread.
-    pub rays_per_second: Spread,
+    pub rays_per_second: Estimate,
     /// The same over that of the first method in the same repetition.
-    pub ratio_to_first: Spread,
+    pub ratio_to_first: Estimate,
 }
 
 /// One repetition: for each method, its rays a second.
 pub type Timing = Vec<f64>;
 
-/// Builds a structure with the threads of the rayon pool in which it is called, and tells the wall-clock seconds.
+/// What a build took.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct BuildCost {
+    /// Wall-clock seconds; the least of three builds if one takes less than a second.
+    pub seconds: f64,
+    /// Most bytes on the heap at once, beyond what was there before; `None` where nobody counts them.
+    pub peak_bytes: Option<u64>,
+}
+
+/// Builds a structure with the threads of the rayon pool in which it is called, and tells what that took.
 pub fn build(
-    kind: AcceleratorKind,
-    scene: &Scene,
-    options: &BuildOptions,
-) -> (Box<dyn Accelerator>, f64) {
-    let once = || {
+    once: &dyn Fn() -> Box<dyn Accelerator>,
+    memory: Option<&MemoryMeter>,
+) -> (Box<dyn Accelerator>, BuildCost) {
+    let timed = || {
         let watch = Stopwatch::start();
-        let accelerator = kind.build_with(scene, options);
+        let accelerator = once();
         (accelerator, watch.elapsed().wall)
     };
-    let (mut accelerator, mut seconds) = once();
+    let ((mut accelerator, mut seconds), peak_bytes) = match memory {
+        Some(meter) => {
+            let (built, bytes) = meter.of(timed);
+            (built, Some(bytes))
+        }
+        None => (timed(), None),
+    };
     if seconds < SHORT_BUILD {
         for _ in 0..2 {
             // Not both at once: large structures would need twice the memory.
             drop(accelerator);
-            let (again, other) = once();
+            let (again, other) = timed();
             accelerator = again;
             seconds = seconds.min(other);
         }
     }
-    (accelerator, seconds)
+    let cost = BuildCost {
+        seconds,
+        peak_bytes,
+    };
+    (accelerator, cost)
 }
 
 /// What the accelerator answers to each ray of the set.
@@ -115,11 +99,13 @@ pub fn steps(accelerator: &dyn Accelerator, set: &RaySet) -> TraceCounters {
 }
 
 /// Times all methods on the same rays, in turns; `None` without rays or repetitions. A pass of each before the first repetition
-/// is not counted.
+/// is not counted. `seed` is that of the intervals; `done` is called after the first pass and after each repetition.
 pub fn speeds_in_turns(
     methods: &[&dyn Accelerator],
     set: &RaySet,
     repetitions: usize,
+    seed: u32,
+    done: &dyn Fn(),
 ) -> Option<Vec<Speed>> {
     if set.rays.is_empty() {
         return None;
@@ -131,6 +117,7 @@ pub fn speeds_in_turns(
             (LEAST_TIMING / warm.max(1e-9)).ceil().max(1.0) as usize
         })
         .collect();
+    done();
     let mut timings: Vec<Timing> = Vec::new();
     for repetition in 0..repetitions {
         let mut timing = vec![0.0; methods.len()];
@@ -141,16 +128,17 @@ pub fn speeds_in_turns(
             timing[m] = rays / seconds(methods[m], set, passes[m]).max(1e-9);
         }
         timings.push(timing);
+        done();
     }
-    speeds(&timings, methods.len())
+    speeds(&timings, methods.len(), u64::from(seed))
 }
 
 /// The speeds of methods from the repetitions' timings.
-fn speeds(timings: &[Timing], methods: usize) -> Option<Vec<Speed>> {
+fn speeds(timings: &[Timing], methods: usize, seed: u64) -> Option<Vec<Speed>> {
     let speed = |m: usize| {
         Some(Speed {
-            rays_per_second: Spread::of(timings.iter().map(|t| t[m]).collect())?,
-            ratio_to_first: Spread::of(timings.iter().map(|t| t[m] / t[0]).collect())?,
+            rays_per_second: Estimate::of(timings.iter().map(|t| t[m]).collect(), seed)?,
+            ratio_to_first: Estimate::of(timings.iter().map(|t| t[m] / t[0]).collect(), seed)?,
         })
     };
     (0..methods).map(speed).collect()
@@ -176,27 +164,15 @@ fn seconds(accelerator: &dyn Accelerator, set: &RaySet, passes: usize) -> f64 {
 mod tests {
     use super::super::view_rays::RayPurpose;
     use super::*;
+    use crate::accel::AcceleratorKind;
     use crate::geometry::Ray;
     use glam::Vec3;
-
-    #[test]
-    fn quartiles_lie_between_the_values_of_any_order() {
-        let spread = Spread::of(vec![40.0, 10.0, 30.0, 20.0]).unwrap();
-        assert_eq!(
-            (spread.lower, spread.median, spread.upper),
-            (17.5, 25.0, 32.5)
-        );
-        assert_eq!(spread.half_width(), 7.5);
-        let one = Spread::of(vec![3.0]).unwrap();
-        assert_eq!((one.lower, one.median, one.upper), (3.0, 3.0, 3.0));
-        assert_eq!(Spread::of(Vec::new()), None);
-    }
 
     #[test]
     fn ratios_are_taken_within_a_repetition() {
         // A machine that is ten times slower in the second and third: the ratio is 2 throughout.
         let timings = [vec![100.0, 200.0], vec![10.0, 20.0], vec![11.0, 22.0]];
-        let speeds = speeds(&timings, 2).unwrap();
+        let speeds = speeds(&timings, 2, 0).unwrap();
         assert_eq!(speeds[0].ratio_to_first.half_width(), 0.0);
         assert_eq!(speeds[1].ratio_to_first.median, 2.0);
         assert_eq!(speeds[1].rays_per_second.median, 22.0);
@@ -205,8 +181,8 @@ mod tests {
     #[test]
     fn more_work_takes_longer_and_is_counted() {
         let scene = crate::import::load(&["models/cornell-box.obj".into()]).unwrap();
-        let (linear, seconds) = build(AcceleratorKind::Linear, &scene, &BuildOptions::default());
-        assert!(seconds >= 0.0);
+        let (linear, cost) = build(&|| AcceleratorKind::Linear.build(&scene), None);
+        assert!(cost.seconds >= 0.0 && cost.peak_bytes.is_none());
         let ray = Ray::new(Vec3::new(0.1, 0.2, 0.3), Vec3::new(1.0, 2.0, 3.0));
         let set = |purpose, count| RaySet {
             purpose,
@@ -216,11 +192,11 @@ mod tests {
         let triangles = linear.build_stats().triangles;
         assert_eq!(steps(&*linear, &eye).primitives, 10 * triangles);
         assert_eq!(answers(&*linear, &eye).len(), 10);
-        let speed = speeds_in_turns(&[&*linear, &*linear], &eye, 3).unwrap();
+        let speed = speeds_in_turns(&[&*linear, &*linear], &eye, 3, 0, &|| ()).unwrap();
         assert!(speed[1].rays_per_second.median > 0.0);
         assert_eq!(speed[0].ratio_to_first.median, 1.0);
         assert_eq!(
-            speeds_in_turns(&[&*linear], &set(RayPurpose::Eye, 0), 3),
+            speeds_in_turns(&[&*linear], &set(RayPurpose::Eye, 0), 3, 0, &|| ()),
             None
         );
     }

@@ -2,9 +2,11 @@
 //!
 //! They depend on the scene, the camera, the options and the seed only: every accelerator gives the same first hits.
 
-use crate::geometry::Ray;
+use super::specular_rays::{mirror_ray, refraction_ray};
+use crate::geometry::{Ray, RayOrigin};
 use crate::render::{Sampler, Stage, Surface, hemisphere_ray, shadow_ray};
 use crate::scene::CameraFrame;
+use glam::Vec3;
 
 /// Side of the square tiles in which eye rays come, in pixels: neighbours in the list are neighbours in the picture.
 const TILE: u32 = 8;
@@ -19,6 +21,10 @@ pub enum RayPurpose {
     Eye,
     /// From what an eye ray met to a light.
     Shadow,
+    /// From there on as a mirror would send it, whatever is there.
+    Mirror,
+    /// From there on as clear glass would send it, whatever is there.
+    Refraction,
     /// From there into the hemisphere, as far as a tenth of the scene's diagonal.
     Ambient,
     /// From there into the hemisphere, without an end.
@@ -36,13 +42,22 @@ pub enum Query {
 
 impl RayPurpose {
     /// All of them.
-    pub const ALL: [Self; 4] = [Self::Eye, Self::Shadow, Self::Ambient, Self::Bounce];
+    pub const ALL: [Self; 6] = [
+        Self::Eye,
+        Self::Shadow,
+        Self::Mirror,
+        Self::Refraction,
+        Self::Ambient,
+        Self::Bounce,
+    ];
 
     /// The name in reports.
     pub const fn name(self) -> &'static str {
         match self {
             Self::Eye => "eye",
             Self::Shadow => "shadow",
+            Self::Mirror => "mirror",
+            Self::Refraction => "refraction",
             Self::Ambient => "ambient",
             Self::Bounce => "bounce",
         }
@@ -51,7 +66,7 @@ impl RayPurpose {
     /// What a renderer asks with such a ray.
     pub const fn query(self) -> Query {
         match self {
-            Self::Eye | Self::Bounce => Query::Closest,
+            Self::Eye | Self::Mirror | Self::Refraction | Self::Bounce => Query::Closest,
             Self::Shadow | Self::Ambient => Query::Any,
         }
     }
@@ -89,12 +104,12 @@ pub struct ViewOptions {
 
 /// The rays of a view: a set for each purpose, in the order of [`RayPurpose::ALL`]. Each eye ray that meets something gives at most one ray of
 /// every other purpose.
-pub fn view_rays(stage: &Stage, camera: &CameraFrame, options: &ViewOptions) -> [RaySet; 4] {
+pub fn view_rays(stage: &Stage, camera: &CameraFrame, options: &ViewOptions) -> [RaySet; 6] {
     let mut sets = RayPurpose::ALL.map(|purpose| RaySet {
         purpose,
         rays: Vec::new(),
     });
-    let [eye, shadow, ambient, bounce] = &mut sets;
+    let [eye, shadow, mirror, refraction, ambient, bounce] = &mut sets;
     for (x, y) in pixels(options) {
         let ray = camera.ray(f64::from(x) + 0.5, f64::from(y) + 0.5, Some((x, y)));
         eye.rays.push(ray);
@@ -112,8 +127,23 @@ pub fn view_rays(stage: &Stage, camera: &CameraFrame, options: &ViewOptions) -> 
         shadow
             .rays
             .extend(shadow_ray(stage, &surface, &mut sampler));
+        mirror.rays.extend(mirror_ray(&ray, &surface));
+        let through = refraction_ray(stage, &ray, &surface);
+        refraction.rays.extend(through);
     }
     sets
+}
+
+/// A ray without an end that leaves a surface which an eye ray met.
+pub(super) fn secondary(origin: Vec3, direction: Vec3) -> Ray {
+    let source = RayOrigin {
+        depth: 1,
+        pixel: None,
+    };
+    Ray {
+        source,
+        ..Ray::new(origin, direction)
+    }
 }
 
 /// The pixels whose eye rays are sent, tile by tile.
@@ -144,7 +174,6 @@ mod tests {
     use super::*;
     use crate::accel::AcceleratorKind;
     use crate::render::{CameraWishes, SkyMode, frame_scene};
-    use glam::Vec3;
 
     fn options(size: (u32, u32), most_rays: usize, seed: u32) -> ViewOptions {
         ViewOptions {
@@ -179,7 +208,7 @@ mod tests {
             let stage = Stage::new(&scene, &*accelerator, Vec3::Y, SkyMode::Auto);
             view_rays(&stage, &frame, &options((48, 32), 9999, seed)).map(|s| s.rays)
         };
-        let [eye, shadow, ambient, bounce] = sets(AcceleratorKind::Linear, 1);
+        let [eye, shadow, mirror, refraction, ambient, bounce] = sets(AcceleratorKind::Linear, 1);
         assert_eq!(eye.len(), 48 * 32);
         assert!(ambient.len() > 200 && ambient.len() < eye.len());
         assert_eq!(ambient.len(), bounce.len());
@@ -187,7 +216,12 @@ mod tests {
         assert!(bounce.iter().all(|r| r.interval.max == f32::INFINITY));
         assert!(ambient.iter().all(|r| r.interval.max.is_finite()));
         let other = sets(AcceleratorKind::Cwbvh, 1);
-        assert_eq!([&eye, &shadow, &ambient, &bounce], other.each_ref());
-        assert_ne!(bounce, sets(AcceleratorKind::Linear, 2)[3]);
+        assert_eq!(
+            (mirror.len(), refraction.len()),
+            (bounce.len(), bounce.len())
+        );
+        let all = [eye, shadow, mirror, refraction, ambient, bounce];
+        assert_eq!(all, other);
+        assert_ne!(all[5], sets(AcceleratorKind::Linear, 2)[5]);
     }
 }

@@ -9,8 +9,8 @@ use serde_json::{Value, json};
 
 use super::bsp_args::BspArgs;
 use super::camera_args::{self, CameraArgs};
-use super::compare_report::spread;
 use super::model_args::ModelArgs;
+use super::numbers::{estimate, ratio};
 use super::{Done, extent_args, output, values};
 
 /// Arguments of `bspray ladder`.
@@ -87,8 +87,8 @@ pub(super) fn run(args: &LadderArgs) -> anyhow::Result<Done> {
 fn on_rays(kind: &str, rays: &StepOnRays) -> Value {
     json!({
         "kind": kind,
-        "rays_per_second": rays.speed.map(|s| spread(s.rays_per_second)),
-        "speed_ratio_to_first": rays.speed.map(|s| spread(s.ratio_to_first)),
+        "rays_per_second": rays.speed.map(|s| estimate(s.rays_per_second)),
+        "speed_ratio_to_first": rays.speed.map(|s| ratio(s.ratio_to_first)),
         "counted_cost": rays.cost,
         "outcomes": rays.tally.as_ref().map(tally),
     })
@@ -106,7 +106,7 @@ pub(super) fn tally(tally: &ObjectTally) -> Value {
         "nodes": steps.nodes, "leaves": steps.leaves, "primitives": steps.primitives })
 }
 
-/// Columns of each kind of rays: nanoseconds a ray, how many times faster than the first step (median and half the distance of the quartiles), and the same by counted cost.
+/// Columns of each kind of rays: nanoseconds a ray, how many times faster than the first step (median and half of its 95 % interval), and the same by counted cost.
 fn table(ladder: &Ladder) -> String {
     let mut out = format!("{:<38}", "");
     for (kind, count) in &ladder.kinds {

@@ -35,19 +35,20 @@ pub(super) fn add(picture: Picture, summary: &RenderSummary) -> Picture {
 
 /// The command line, each argument quoted where a shell would need it.
 pub(super) fn command_line() -> String {
-    let is_plain = |c: char| c.is_ascii_alphanumeric() || "-_./,=+:@%".contains(c);
-    let quoted = |arg: String| {
-        if !arg.is_empty() && arg.chars().all(is_plain) {
-            arg
-        } else {
-            format!("'{}'", arg.replace('\'', r"'\''"))
-        }
-    };
-    let args = std::env::args_os()
-        .skip(1)
-        .map(|a| quoted(a.to_string_lossy().into_owned()));
+    let args = std::env::args_os().skip(1);
+    let args = args.map(|a| quoted(&a.to_string_lossy()));
     std::iter::once("bspray".to_owned())
         .chain(args)
         .collect::<Vec<_>>()
         .join(" ")
+}
+
+/// An argument, quoted where a shell would need it.
+pub(super) fn quoted(arg: &str) -> String {
+    let is_plain = |c: char| c.is_ascii_alphanumeric() || "-_./,=+:@%".contains(c);
+    if !arg.is_empty() && arg.chars().all(is_plain) {
+        arg.to_owned()
+    } else {
+        format!("'{}'", arg.replace('\'', r"'\''"))
+    }
 }

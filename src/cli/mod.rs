@@ -5,9 +5,9 @@
 
 mod bsp_args;
 mod camera_args;
+mod chart;
+mod chart_page;
 mod compare;
-mod compare_page;
-mod compare_report;
 mod diff;
 mod diff_report;
 mod diff_values;
@@ -21,6 +21,7 @@ mod inspect_bsp;
 mod inspect_extents;
 mod ladder;
 mod lens_args;
+mod memory;
 mod metadata;
 mod model_args;
 mod motion;
@@ -38,6 +39,7 @@ mod stress_report;
 mod summary;
 mod tev;
 mod values;
+mod work_bar;
 
 use std::process::ExitCode;
 
@@ -59,6 +61,8 @@ enum Command {
     Inspect(Box<inspect::InspectArgs>),
     /// Compare structures on the rays of one view: builds, speed, steps, and who is right
     Compare(Box<compare::CompareArgs>),
+    /// Chart speed against accuracy: methods on rays and on pictures, each error measured, in a report
+    Chart(Box<chart::ChartArgs>),
     /// Tell how two pictures differ: each channel, and to the eye (SSIM, FLIP)
     Diff(Box<diff::DiffArgs>),
     /// Measure what each step from no extents to trees gives, for eye, shadow and mirror rays
@@ -109,6 +113,7 @@ pub(crate) fn run() -> ExitCode {
         Command::Render(args) => render::run(&args),
         Command::Inspect(args) => inspect::run(&args),
         Command::Compare(args) => compare::run(&args),
+        Command::Chart(args) => chart::run(&args),
         Command::Diff(args) => diff::run(&args),
         Command::Ladder(args) => ladder::run(&args),
         Command::Stress(args) => stress::run(&args),

@@ -1,5 +1,6 @@
 //! Numbers in JSON: single-precision ones as short as they are, not as the double that holds them, and what JSON has no number for.
 
+use bspray::analysis::Estimate;
 use serde_json::{Value, json};
 
 /// The shortest number that reads back as `x`; a text for what JSON has no number for.
@@ -22,6 +23,16 @@ pub(super) fn double(x: f64) -> Value {
     } else {
         json!(x.to_string())
     }
+}
+
+/// A median with its interval.
+pub(super) fn estimate(e: Estimate) -> Value {
+    json!({ "median": e.median, "interval_95": [e.low, e.high] })
+}
+
+/// A ratio of medians with its interval, and whether that has no 1 in it.
+pub(super) fn ratio(e: Estimate) -> Value {
+    json!({ "median": e.median, "interval_95": [e.low, e.high], "significant": e.excludes(1.0) })
 }
 
 #[cfg(test)]

@@ -1,18 +1,17 @@
 //! `bspray stress`: where methods fail.
 
-use std::io::IsTerminal;
+use std::ffi::OsString;
 use std::path::PathBuf;
-use std::sync::Mutex;
-use std::time::Instant;
 
 use anyhow::{Context, bail};
+use bspray::accel::Embree;
 use bspray::analysis::stability::{
     CellTask, Isolation, Method, StressOptions, StressResults, Sweep, answer,
 };
 use bspray::picture::ldr;
 use clap::Args;
-use indicatif::{ProgressBar, ProgressStyle};
 
+use super::work_bar::WorkBar;
 use super::{Done, UsageError, files, output, stress_page, stress_report, values};
 
 /// How much is done: rays a step, rays from inside a closed mesh, seconds for what may run away.
@@ -21,9 +20,6 @@ struct Profile(u32, u64, u32);
 const QUICK: Profile = Profile(128, 4_000_000, 3);
 const USUAL: Profile = Profile(1024, 100_000_000, 20);
 const THOROUGH: Profile = Profile(8192, 1_000_000_000, 120);
-
-/// Steps of the progress bar.
-const BAR: f64 = 10_000.0;
 
 /// Pixels for each float of the sign map.
 const SIGN_SCALE: u32 = 8;
@@ -38,7 +34,7 @@ pub(super) struct StressArgs {
     /// Few rays: less than two minutes on two cores
     #[arg(long, conflicts_with = "thorough")]
     quick: bool,
-    /// Very many rays, 1,000,000,000 of them from inside a closed mesh, and 120 s for what may run away; takes hours
+    /// Very many rays, 1,000,000,000 of them from inside a closed mesh, and 120 s for what may run away; takes an hour or more
     #[arg(long)]
     thorough: bool,
     /// Only these sweeps, with commas between [default: all]
@@ -48,6 +44,9 @@ pub(super) struct StressArgs {
     /// Only these methods and the default structure, with commas between [default: all]
     #[arg(long, value_name = "NAME,...", value_delimiter = ',', long_help = method_help())]
     method: Vec<Method>,
+    /// Embree 4's library, such as /usr/lib/libembree4.so.4, for the methods embree and embree-robust
+    #[arg(long, value_name = "FILE")]
+    embree: Option<PathBuf>,
     /// Rays a step, in place of those of --quick and --thorough
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=values::MOST_RAYS))]
     rays: Option<u32>,
@@ -77,6 +76,8 @@ pub(super) struct StressArgs {
 /// Arguments of the hidden `bspray stress-cell`.
 #[derive(Args, Debug)]
 pub(super) struct StressCellArgs {
+    #[arg(long)]
+    embree: Option<PathBuf>,
     sweep: String,
     step: usize,
     method: String,
@@ -125,8 +126,8 @@ pub(super) fn run(args: &StressArgs) -> anyhow::Result<Done> {
             output::message(&format!("panic at {}", place.unwrap_or_default()));
         }
     }));
-    let progress = Progress::begin(args.quiet);
-    let results = pool.install(|| StressResults::of(&options, &|share| progress.done(share)));
+    let progress = WorkBar::begin("stress", args.quiet);
+    let results = pool.install(|| StressResults::of(&options, &|share| progress.add(share)));
     progress.end();
     if let Some(path) = &args.sign_map {
         ldr::write(path, &results.sign_map.picture(SIGN_SCALE))?;
@@ -160,8 +161,22 @@ fn options(args: &StressArgs) -> anyhow::Result<StressOptions> {
             }
         }
     }
-    let is_wanted =
-        |m: &Method| args.method.is_empty() || args.method.contains(m) || *m == Method::DEFAULT;
+    let embree = loaded(args.embree.as_ref())?;
+    if let (None, Some(method)) = (&embree, args.method.iter().find(|m| m.needs_embree())) {
+        let name = method.name();
+        bail!(UsageError(format!(
+            "--method {name} needs --embree FILE, Embree 4's library"
+        )));
+    }
+    let is_wanted = |m: &Method| {
+        let is_there = embree.is_some() || !m.needs_embree();
+        let is_named = args.method.is_empty() || args.method.contains(m);
+        is_there && (is_named || *m == Method::DEFAULT)
+    };
+    let mut arguments: Vec<OsString> = vec!["stress-cell".into()];
+    if let Some(path) = &args.embree {
+        arguments.extend(["--embree".into(), path.into()]);
+    }
     let program =
         std::env::current_exe().context("cannot find this program, to start it as a child")?;
     Ok(StressOptions {
@@ -176,10 +191,17 @@ fn options(args: &StressArgs) -> anyhow::Result<StressOptions> {
         seed: args.seed,
         isolation: Some(Isolation {
             program,
-            arguments: vec!["stress-cell".to_owned()],
+            arguments,
             seconds: args.time_limit.unwrap_or(profile.2),
         }),
+        embree,
     })
+}
+
+/// Embree, if a file is named. It builds on one thread: steps run beside one another as it is, and equal scenes get equal trees.
+fn loaded(path: Option<&PathBuf>) -> anyhow::Result<Option<Embree>> {
+    let load = |path: &PathBuf| Embree::load(path, 1).context("cannot load --embree");
+    path.map(load).transpose()
 }
 
 /// Does one piece of work for a parent.
@@ -191,7 +213,8 @@ pub(super) fn cell(args: &StressCellArgs) -> anyhow::Result<Done> {
         rays: args.rays,
         seed: args.seed,
     };
-    output::result(&answer(&task, args.seconds).map_err(UsageError)?)?;
+    let embree = loaded(args.embree.as_ref())?;
+    output::result(&answer(&task, args.seconds, embree.as_ref()).map_err(UsageError)?)?;
     Ok(Done::Completely)
 }
 
@@ -200,63 +223,6 @@ fn verdict(results: &StressResults) -> Done {
         Done::Completely
     } else {
         Done::FirstIsWrong
-    }
-}
-
-/// A bar with the time left on a terminal, a line every tenth with the time left when piped, nothing when quiet.
-enum Progress {
-    Quiet,
-    Bar(ProgressBar, Mutex<f64>),
-    Lines(Instant, Mutex<f64>),
-}
-
-impl Progress {
-    fn begin(quiet: bool) -> Self {
-        let done = Mutex::new(0.0);
-        if quiet {
-            Self::Quiet
-        } else if std::io::stderr().is_terminal() {
-            let bar = ProgressBar::new(BAR as u64);
-            let template = "stress {bar:40} {percent:>3} %  {elapsed} so far, {eta} left";
-            if let Ok(style) = ProgressStyle::with_template(template) {
-                bar.set_style(style);
-            }
-            Self::Bar(bar, done)
-        } else {
-            Self::Lines(Instant::now(), done)
-        }
-    }
-
-    fn done(&self, share: f64) {
-        let (Self::Bar(_, sum) | Self::Lines(_, sum)) = self else {
-            return;
-        };
-        let Ok(mut sum) = sum.lock() else {
-            return;
-        };
-        let before = *sum;
-        *sum += share;
-        match self {
-            Self::Quiet => {}
-            Self::Bar(bar, _) => bar.set_position((*sum * BAR) as u64),
-            Self::Lines(begun, _) => {
-                let tenth = (*sum * 10.0 + 1e-9).floor();
-                if tenth > (before * 10.0 + 1e-9).floor() {
-                    let left = begun.elapsed().as_secs_f64() * (1.0 / *sum - 1.0);
-                    output::message(&format!(
-                        "stress: {} %, about {:.0} s left",
-                        tenth * 10.0,
-                        left.max(0.0)
-                    ));
-                }
-            }
-        }
-    }
-
-    fn end(self) {
-        if let Self::Bar(bar, _) = self {
-            bar.finish_and_clear();
-        }
     }
 }
 

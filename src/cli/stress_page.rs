@@ -16,9 +16,12 @@ const SIGN_SCALE: u32 = 6;
 
 /// The page: verdict, all sweeps at a glance, each sweep, leaks, defects, signs.
 pub(super) fn page(results: &StressResults) -> Report {
-    let provenance = Provenance::of_run(&command_line())
+    let mut provenance = Provenance::of_run(&command_line())
         .with("seed", &results.seed.to_string())
         .with("rays a step, at most", &results.rays.to_string());
+    if let Some(version) = &results.embree {
+        provenance = provenance.with("Embree", version);
+    }
     let mut page = Report::new("Where methods fail", provenance);
     let (tone, words) = verdict(results);
     page.push(Section::Verdict(tone, words));
@@ -213,6 +216,7 @@ fn rates(sweep: &SweepResult, default: &str) -> Chart {
         )| Point {
             x: step.value,
             y: 100.0 * cell.rate.rate,
+            across: None,
             interval: Some([cell.rate.low, cell.rate.high].map(|r| 100.0 * r)),
             label: String::new(),
         };

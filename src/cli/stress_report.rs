@@ -13,6 +13,9 @@ pub(super) fn table(results: &StressResults) -> String {
         "seed {}, up to {} rays a step; wrong answers by exact arithmetic, with 95 % intervals\n",
         results.seed, results.rays
     );
+    if let Some(version) = &results.embree {
+        let _ = writeln!(out, "Embree {version}");
+    }
     for sweep in &results.sweeps {
         self::sweep(sweep, &mut out);
     }

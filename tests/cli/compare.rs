@@ -34,22 +34,22 @@ fn the_table_has_every_structure_for_every_kind_of_rays_in_100_columns() {
         "{}",
         ran.stdout
     );
-    for name in ["bsp", "bsp-polygon", "bvh2", "cwbvh"] {
+    for name in ["bsp", "bsp-polygon", "bvh2", "cwbvh", "extents"] {
         let rows: Vec<_> = lines
             .iter()
             .filter(|l| l.split_whitespace().next() == Some(name))
             .collect();
-        // The build, four kinds of rays, the verdict.
-        assert_eq!(rows.len(), 6, "{}", ran.stdout);
-        assert!(rows[5].contains("nothing wrong"));
+        // The build, six kinds of rays, the verdict.
+        assert_eq!(rows.len(), 8, "{}", ran.stdout);
+        assert!(rows[7].contains("nothing wrong"));
     }
-    for kind in ["eye", "shadow", "ambient", "bounce"] {
+    for kind in ["eye", "shadow", "mirror", "refraction", "ambient", "bounce"] {
         let head = |l: &&str| l.starts_with(&format!("{kind}: ")) && l.contains(" rays, ");
         assert!(lines.iter().any(head), "{kind}: {}", ran.stdout);
     }
-    assert!(!ran.stdout.contains("linear"));
     for words in [
-        "building bsp\n",
+        "building bsp",
+        "note: linear is left out: ",
         "camera: --camera-position 0.6,3,9.2 ",
         "0 of ",
     ] {
@@ -68,7 +68,14 @@ fn json_says_all_with_units_in_its_names() {
         "--seed",
         "7",
     ];
-    let more = ["--rays", "100", "--bsp-quality", "fast", "--threads", "1"];
+    let more = [
+        "--max-rays",
+        "100",
+        "--bsp-quality",
+        "fast",
+        "--threads",
+        "1",
+    ];
     let ran = compare("lecture-block.obj", &[&args[..], &more].concat());
     assert_eq!((ran.code, &*ran.stderr), (Some(0), ""), "{ran:?}");
     let value: Value = serde_json::from_str(&ran.stdout).expect("one JSON value");
@@ -80,7 +87,7 @@ fn json_says_all_with_units_in_its_names() {
     assert_eq!(names(&value["structures"]), ["cwbvh", "linear", "bsp"]);
     assert_eq!(
         names(&value["rays"]),
-        ["eye", "shadow", "ambient", "bounce"]
+        ["eye", "shadow", "mirror", "refraction", "ambient", "bounce"]
     );
     for (key, want) in [
         ("seed", 7),
@@ -106,9 +113,10 @@ fn json_says_all_with_units_in_its_names() {
         assert_eq!(set["wrong_rays"], serde_json::json!([]));
         assert_eq!(names(&set["structures"]), ["cwbvh", "linear", "bsp"]);
         for structure in set["structures"].as_array().unwrap() {
-            for quartile in ["first_quartile", "median", "third_quartile"] {
-                above_zero(&structure["rays_per_second"][quartile]);
-                above_zero(&structure["speed_ratio_to_first"][quartile]);
+            for value in ["rays_per_second", "speed_ratio_to_first"] {
+                above_zero(&structure[value]["median"]);
+                above_zero(&structure[value]["interval_95"][0]);
+                above_zero(&structure[value]["interval_95"][1]);
             }
             above_zero(&structure["triangle_tests_per_ray"]);
             assert!(structure["nodes_per_ray"].is_number());
@@ -125,7 +133,7 @@ fn rays_and_answers_repeat_with_the_seed() {
     let counts = |seed: &str| {
         let ran = compare(
             "cornell-box.obj",
-            &["--json", "--seed", seed, "--rays", "128"],
+            &["--json", "--seed", seed, "--max-rays", "128"],
         );
         let value: Value = serde_json::from_str(&ran.stdout).expect("one JSON value");
         let sets = value["rays"].as_array().unwrap().iter();
@@ -162,7 +170,7 @@ fn what_cannot_be_compared_is_said_in_a_line() {
             2,
             "error: --accel names bvh2 twice",
         ),
-        (&["--rays", "0"], 2, "--rays"),
+        (&["--max-rays", "0"], 2, "--max-rays"),
         (&["--repetitions", "0"], 2, "--repetitions"),
         (
             &["--bsp-quality", "ultra"],
@@ -278,4 +286,120 @@ fn a_report_is_a_folder_with_every_number() {
         assert!(ran.stderr.contains(words), "{}", ran.stderr);
     }
     assert_eq!(super::run::names(folder.path()), ["file", "page"]);
+}
+
+/// Runs in a folder that stays.
+fn compare_in(folder: &std::path::Path, args: &str) -> Ran {
+    let block = model("lecture-block.obj");
+    let words = args.split(' ').map(str::to_owned);
+    let all: Vec<String> = ["compare".to_owned(), block]
+        .into_iter()
+        .chain(words)
+        .collect();
+    bspray(folder, &all)
+}
+
+#[test]
+fn rays_are_written_read_and_replayed() {
+    let folder = tempfile::tempdir().unwrap();
+    let small = "--resolution 12x8 --repetitions 1 --accel bsp,bvh2 --quiet";
+    let written = compare_in(folder.path(), &format!("{small} --json --write-rays rays"));
+    assert_eq!(written.code, Some(0), "{written:?}");
+    let read = compare_in(
+        folder.path(),
+        &format!("{small} --json --rays rays/mirror.ray --rays rays/eye.ray"),
+    );
+    assert_eq!(read.code, Some(0), "{read:?}");
+    let [written, read] = [written, read]
+        .map(|ran| serde_json::from_str::<Value>(&ran.stdout).expect("one JSON value"));
+    // The same rays have the same answers.
+    for (kind, at) in [("eye", 0), ("mirror", 2)] {
+        let sets = read["rays"].as_array().unwrap().iter();
+        let mut same = sets.filter(|s| s["kind"] == kind);
+        let same = same.next().expect("the kind is in the file");
+        for value in ["rays", "hits", "query"] {
+            assert_eq!(same[value], written["rays"][at][value], "{kind} {value}");
+        }
+    }
+    let replayed = compare_in(folder.path(), "--replay rays/eye.ray --quiet");
+    assert_eq!(replayed.code, Some(0), "{replayed:?}");
+    for words in [
+        "rays/eye.ray: 96 eye rays, closest hit",
+        "ray 95: from ",
+        "linear",
+        "wrong about 0 of 96",
+    ] {
+        assert!(
+            replayed.stdout.contains(words),
+            "{words}: {}",
+            replayed.stdout
+        );
+    }
+    assert!(!replayed.stdout.contains("WRONG"));
+}
+
+#[test]
+fn files_of_rays_that_are_none_are_refused_in_a_line() {
+    let folder = tempfile::tempdir().unwrap();
+    let header = |count: u32, kind: u32| {
+        let mut bytes = b"BRAY".to_vec();
+        bytes.extend([1, count, kind].iter().flat_map(|n| n.to_le_bytes()));
+        bytes
+    };
+    let ray = |numbers: [f32; 8]| {
+        numbers
+            .iter()
+            .flat_map(|n| n.to_le_bytes())
+            .collect::<Vec<_>>()
+    };
+    let good = ray([0.0, 9.0, 0.0, 0.0, -1.0, 0.0, 0.0, 1e30]);
+    let lame = ray([0.0, 9.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1e30]);
+    for (name, bytes, words) in [
+        ("text.ray", b"v 1 2 3\nv 1 2 3\n".to_vec(), "text.ray: "),
+        (
+            "short.ray",
+            [header(2, 0), good.clone()].concat(),
+            "ends within ray 1 of the 2",
+        ),
+        ("huge.ray", header(u32::MAX, 0), "are more than the"),
+        ("kind.ray", [header(1, 99), good.clone()].concat(), "99"),
+        (
+            "lame.ray",
+            [header(2, 0), good.clone(), lame].concat(),
+            "lame.ray: ray 1: ",
+        ),
+        (
+            "long.ray",
+            [header(1, 0), good.clone(), good].concat(),
+            "long.ray: ",
+        ),
+    ] {
+        std::fs::write(folder.path().join(name), bytes).unwrap();
+        for option in ["--rays", "--replay"] {
+            let ran = compare_in(folder.path(), &format!("{option} {name}"));
+            assert_eq!(ran.code, Some(1), "{name}: {ran:?}");
+            assert_eq!(
+                (ran.stdout.as_str(), ran.stderr.lines().count()),
+                ("", 1),
+                "{ran:?}"
+            );
+            assert!(ran.stderr.contains(words), "{words}: {}", ran.stderr);
+        }
+    }
+}
+
+#[test]
+fn costs_of_pixels_are_layers_of_a_file() {
+    let folder = tempfile::tempdir().unwrap();
+    let args = "--resolution 12x8 --repetitions 1 --accel bsp,bvh2 --quiet --exr";
+    let ran = compare_in(folder.path(), &format!("{args} costs.exr"));
+    assert_eq!(ran.code, Some(0), "{ran:?}");
+    let picture = bspray::picture::exr::read(&folder.path().join("costs.exr")).expect("it is one");
+    let names: Vec<_> = picture.channels.iter().map(|c| c.name.clone()).collect();
+    for name in ["bsp", "bvh2", "disagreement"] {
+        assert!(names.iter().any(|n| n.contains(name)), "{name}: {names:?}");
+    }
+    let ran = compare_in(folder.path(), &format!("{args} costs.png"));
+    assert_eq!(ran.code, Some(2), "{ran:?}");
+    assert!(ran.stderr.contains("must end with .exr"), "{}", ran.stderr);
 }

@@ -1,6 +1,7 @@
 //! The program as its users run it: exit codes, words on both streams, files, pipes and signals.
 
 mod camera;
+mod chart;
 mod compare;
 mod denoise;
 mod diff;

@@ -135,6 +135,51 @@ fn obvhs_on_very_many_coincident_triangles_is_ended_and_named() {
 }
 
 #[test]
+fn what_is_not_embree_is_refused_in_one_line() {
+    let folder = tempfile::tempdir().expect("a folder");
+    std::fs::write(folder.path().join("words.so"), "words").expect("a file");
+    for (file, words) in [
+        ("nothing.so", "nothing.so: "),
+        ("words.so", "words.so is not a library that can be loaded: "),
+    ] {
+        let ran = bspray(folder.path(), &["stress", "--quick", "--embree", file]);
+        assert_eq!((ran.code, &*ran.stdout), (Some(1), ""), "{ran:?}");
+        assert!(ran.stderr.contains(words), "{}", ran.stderr);
+        assert_eq!(ran.stderr.lines().count(), 1, "{}", ran.stderr);
+    }
+}
+
+/// Only where the environment names a library.
+#[test]
+fn embree_joins_also_in_children_and_its_version_is_told() {
+    let library = std::env::var("BSPRAY_EMBREE").unwrap_or_default();
+    if library.is_empty() {
+        return;
+    }
+    let words = "--sweep edges-inside,coincident --method embree,embree-robust --json -q --embree";
+    let args: Vec<&str> = words.split(' ').chain([&*library]).collect();
+    let ran = stress(&args);
+    assert_eq!((ran.code, &*ran.stderr), (Some(0), ""), "{ran:?}");
+    let value: Value = serde_json::from_str(&ran.stdout).expect("one JSON value");
+    assert!(
+        value["embree"]
+            .as_str()
+            .expect("a version")
+            .starts_with("4.")
+    );
+    for sweep in value["sweeps"].as_array().expect("sweeps") {
+        let methods = sweep["methods"].as_array().expect("methods");
+        assert_eq!(methods.len(), 3, "{}", sweep["name"]);
+        for method in methods {
+            for cell in method["cells"].as_array().expect("cells") {
+                assert_eq!(cell["ending"], "answered", "{cell}");
+                assert!(cell["rays"].as_u64() > Some(0), "{cell}");
+            }
+        }
+    }
+}
+
+#[test]
 fn the_sign_map_is_a_picture() {
     let folder = tempfile::tempdir().expect("a folder");
     let args = [
@@ -157,7 +202,11 @@ fn the_sign_map_is_a_picture() {
 fn what_there_is_not_is_named_with_what_there_is() {
     for (args, words) in [
         (["--sweep", "nothing"], "there are distance"),
-        (["--method", "embree"], "obvhs-cwbvh-boxes"),
+        (["--method", "embryo"], "obvhs-cwbvh-boxes"),
+        (
+            ["--method", "embree"],
+            "--method embree needs --embree FILE",
+        ),
         (["--sweep", "layers,layers"], "--sweep names layers twice"),
         (["--method", "woop,woop"], "--method names woop twice"),
         (["--rays", "0"], "0"),

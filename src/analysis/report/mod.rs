@@ -10,7 +10,7 @@
 //! table.push(vec![1e3.into(), 0.0.into()]);
 //! let line = Series {
 //!     name: "bsp".into(),
-//!     points: vec![Point { x: 1e3, y: 0.25, interval: Some([0.2, 0.3]), label: String::new() }],
+//!     points: vec![Point { x: 1e3, y: 0.25, across: None, interval: Some([0.2, 0.3]), label: String::new() }],
 //!     is_line: true,
 //! };
 //! let plot = Plot::Lines(LineChart {

@@ -1,5 +1,6 @@
 //! Work that may run away or end the process, in a process of its own.
 
+use std::ffi::OsString;
 use std::path::PathBuf;
 use std::process::{Child, Command, ExitStatus, Stdio};
 use std::time::{Duration, Instant};
@@ -10,6 +11,7 @@ use super::limits::limit_this_process;
 use super::methods::Method;
 use super::results::Cell;
 use super::sweeps::Sweep;
+use crate::accel::Embree;
 
 /// Memory that a child may use, in bytes of address space: enough for every method that ends, and too little to hurt the machine.
 const MEMORY: u64 = 4 << 30;
@@ -23,7 +25,7 @@ pub struct Isolation {
     /// The program, usually this one.
     pub program: PathBuf,
     /// Its first arguments.
-    pub arguments: Vec<String>,
+    pub arguments: Vec<OsString>,
     /// Seconds until it is ended.
     pub seconds: u32,
 }
@@ -46,17 +48,20 @@ pub struct CellTask {
 /// Does the task in this process, under limits on its memory and time, and returns the result as JSON. For child processes.
 ///
 /// # Errors
-/// Names and steps that there are not.
-pub fn answer(task: &CellTask, seconds: u32) -> Result<String, String> {
+/// Names and steps that there are not, and a method that needs Embree without it.
+pub fn answer(task: &CellTask, seconds: u32, embree: Option<&Embree>) -> Result<String, String> {
     let sweep = Sweep::named(&task.sweep)?;
     let method: Method = task.method.parse()?;
     let values = sweep.values();
     let value = values
         .get(task.step)
         .ok_or_else(|| format!("{} has {} steps", sweep.name, values.len()))?;
+    if method.needs_embree() && embree.is_none() {
+        return Err(format!("{} needs Embree", method.name()));
+    }
     limit_this_process(MEMORY, u64::from(seconds) + 1);
     let case = sweep.case(*value, task.rays, task.seed);
-    let reply = Judged::of(&case).cell(method);
+    let reply = Judged::of(&case).cell(method, embree);
     serde_json::to_string(&reply).map_err(|error| error.to_string())
 }
 
@@ -141,7 +146,7 @@ mod tests {
     fn run(script: &str) -> Ending {
         let isolation = Isolation {
             program: "/bin/sh".into(),
-            arguments: vec!["-c".to_owned(), script.to_owned()],
+            arguments: vec!["-c".into(), script.into()],
             seconds: 1,
         };
         let task = CellTask {
@@ -175,7 +180,7 @@ mod tests {
     #[test]
     fn a_reply_is_read_as_it_was_written() {
         let case = Sweep::named("coincident").unwrap().case(30.0, 20, 1);
-        let reply = Judged::of(&case).cell(Method::ObvhsBvh2);
+        let reply = Judged::of(&case).cell(Method::ObvhsBvh2, None);
         assert!(reply.cell.rays > 0);
         let text = serde_json::to_string(&reply).unwrap();
         let read: CellReply = serde_json::from_str(&text).unwrap();
@@ -192,10 +197,11 @@ mod tests {
                 rays: 1,
                 seed: 0,
             };
-            answer(&task, 1).expect_err("no such task")
+            answer(&task, 1, None).expect_err("no such task")
         };
         assert!(refused("coincidence", 0, "bsp").contains("coincidence"));
         assert!(refused("coincident", 0, "bspp").contains("bspp"));
+        assert_eq!(refused("coincident", 0, "embree"), "embree needs Embree");
         assert_eq!(refused("coincident", 99, "bsp"), "coincident has 12 steps");
     }
 }

@@ -10,14 +10,30 @@ use super::sweeps::Case;
 use super::trouble::Wrong;
 use super::truth::{Truth, Truths};
 use super::verdict::{self, Verdict};
-use crate::accel::{Domain, Hit};
+use crate::accel::{Domain, Embree, Hit};
+use crate::geometry::Ray;
 use crate::render::Answer;
+use crate::scene::Scene;
 
 /// What a method makes of a step, as it comes from a child process too.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub(super) struct CellReply {
     pub(super) cell: Cell,
     pub(super) wrong: Option<WrongAnswer>,
+}
+
+/// A method's triangle test without its structure, built when it is first asked.
+struct Brute<'e> {
+    method: Method,
+    embree: Option<&'e Embree>,
+    built: Option<Built>,
+}
+
+impl Brute<'_> {
+    fn closest_hit(&mut self, scene: &Scene, ray: &Ray) -> Option<Hit> {
+        let build = || self.method.build_brute_force(scene, self.embree);
+        self.built.get_or_insert_with(build).closest_hit(ray)
+    }
 }
 
 /// A step ready to judge methods by.
@@ -73,12 +89,16 @@ impl<'a> Judged<'a> {
     }
 
     /// Builds the method, asks it and judges its answers.
-    pub(super) fn cell(&self, method: Method) -> CellReply {
-        let built = method.build(&self.case.scene);
+    pub(super) fn cell(&self, method: Method, embree: Option<&Embree>) -> CellReply {
+        let built = method.build(&self.case.scene, embree);
         let ways = built.answers(&self.case.rays);
         drop(built);
         let mut reply = CellReply::default();
-        let mut brute: Option<Built> = None;
+        let mut brute = Brute {
+            method,
+            embree,
+            built: None,
+        };
         for index in 0..self.case.rays.len() {
             let is_inside = self.is_inside_domain[index];
             reply.cell.rays += u64::from(is_inside);
@@ -99,7 +119,7 @@ impl<'a> Judged<'a> {
                 reply.cell.wrong_outside += 1;
                 continue;
             }
-            let wrong = self.explained(method, index, answer, kind, &mut brute);
+            let wrong = self.explained(index, answer, kind, &mut brute);
             let cell = &mut reply.cell;
             cell.faults[wrong.kind as usize] += 1;
             cell.troubles[wrong.trouble as usize] += 1;
@@ -117,9 +137,9 @@ impl<'a> Judged<'a> {
         let (ray, truth) = (&self.case.rays[index], self.truth[index].hit);
         let verdict = match answer {
             Answer::Closest(hit) if !method.is_exact() => {
-                verdict::of_plausible(&self.truths, ray, truth, hit)
+                verdict::of_plausible(&self.truths.oracle, ray, truth, hit)
             }
-            _ => verdict::of_exact(&self.truths, ray, truth, answer),
+            _ => verdict::of_exact(&self.truths.oracle, ray, truth, answer),
         };
         match verdict {
             Verdict::Wrong(Kind::Hole) if self.case.is_inside => Verdict::Wrong(Kind::Leak),
@@ -129,18 +149,18 @@ impl<'a> Judged<'a> {
 
     fn explained(
         &self,
-        method: Method,
         index: usize,
         answer: Answer,
         kind: Kind,
-        brute: &mut Option<Built>,
+        brute: &mut Brute,
     ) -> WrongAnswer {
         let (ray, truth) = (&self.case.rays[index], self.truth[index].hit);
+        let method = brute.method;
         let mut of_brute = || {
-            let brute = brute.get_or_insert_with(|| method.brute_force().build(&self.case.scene));
-            self.verdict(method, index, Answer::Closest(brute.closest_hit(ray)))
+            let hit = brute.closest_hit(&self.case.scene, ray);
+            self.verdict(method, index, Answer::Closest(hit))
         };
-        let is_of_test = method == method.brute_force() || of_brute() == Verdict::Wrong(kind);
+        let is_of_test = method.is_brute_force() || of_brute() == Verdict::Wrong(kind);
         let blame = if is_of_test {
             Blame::Test
         } else {
@@ -151,7 +171,8 @@ impl<'a> Judged<'a> {
             Answer::Any(_) => None,
         };
         let about: Option<Hit> = truth.or(said);
-        let tested = about.and_then(|hit| self.truths.tested(ray, hit.instance, hit.triangle));
+        let tested =
+            about.and_then(|hit| self.truths.oracle.tested(ray, hit.instance, hit.triangle));
         let trouble = tested.map_or(Trouble::Cull, |(ray, triangle)| {
             let depths = (truth.map(|hit| hit.t), said.map(|hit| hit.t));
             Wrong {
@@ -182,7 +203,7 @@ mod tests {
 
     fn cell(sweep: &str, value: f64, method: &str) -> Cell {
         let case = Sweep::named(sweep).unwrap().case(value, 300, 1);
-        Judged::of(&case).cell(method.parse().unwrap()).cell
+        Judged::of(&case).cell(method.parse().unwrap(), None).cell
     }
 
     #[test]
@@ -220,6 +241,6 @@ mod tests {
         let step = judged.step(1e25);
         assert_eq!((step.rays, step.rays_outside), (20, 20));
         assert!(step.outside.unwrap().contains("beyond 1e18"));
-        assert_eq!(judged.cell(Method::MollerTrumbore).cell.rays, 0);
+        assert_eq!(judged.cell(Method::MollerTrumbore, None).cell.rays, 0);
     }
 }

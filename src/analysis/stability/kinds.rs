@@ -2,6 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
+use crate::analysis::Fault;
+
 /// How an answer is wrong.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
@@ -40,6 +42,16 @@ impl Kind {
             Self::WrongOrder => "wrong order",
             Self::WrongDepth => "wrong depth",
             Self::WrongName => "wrong name",
+        }
+    }
+
+    /// The same in fewer words, which do not ask where a ray comes from or what else it meets.
+    pub(in crate::analysis) const fn fault(self) -> Fault {
+        match self {
+            Self::Leak | Self::Hole => Fault::Hole,
+            Self::Ghost => Fault::Ghost,
+            Self::WrongOrder | Self::WrongDepth => Fault::WrongDepth,
+            Self::WrongName => Fault::WrongName,
         }
     }
 }

@@ -7,6 +7,7 @@ use super::random::Random;
 use super::results::LeakResult;
 use super::statistics::Rate;
 use super::sweeps::shapes::{self, Shape};
+use crate::accel::Embree;
 use crate::geometry::Ray;
 
 /// Rays that are sent together; also what a thread takes at a time.
@@ -18,6 +19,7 @@ const FEWER: [u64; 2] = [32, 4096];
 /// Sends `rays` from inside a ball through the default method, and fewer through the others. `watch` is told of rays done by the default one.
 pub(super) fn leaks(
     methods: &[Method],
+    embree: Option<&Embree>,
     rays: u64,
     seed: u64,
     watch: &(dyn Fn(u64) + Sync),
@@ -25,11 +27,11 @@ pub(super) fn leaks(
     let shape = shapes::ball(36, 48);
     let scene = shapes::scene_of(&shape.positions, &shape.triangles);
     let of_method = |&method: &Method| {
-        let built = method.build(&scene);
+        let built = method.build(&scene, embree);
         let is_default = method == Method::DEFAULT;
         let count = match method {
             _ if is_default => rays,
-            _ if method == method.brute_force() => (rays / FEWER[1]).max(100),
+            _ if method.is_brute_force() => (rays / FEWER[1]).max(100),
             _ => (rays / FEWER[0]).max(100),
         };
         let chunks = (0..count.div_ceil(CHUNK)).into_par_iter();
@@ -49,7 +51,8 @@ pub(super) fn leaks(
             rate: Rate::of(leaks, count),
         }
     };
-    methods.iter().map(of_method).collect()
+    let is_asked = |method: &&Method| !method.needs_embree() || embree.is_some();
+    methods.iter().filter(is_asked).map(of_method).collect()
 }
 
 /// Half of the rays are aimed at edges and corners.
@@ -93,10 +96,10 @@ mod tests {
     #[test]
     fn the_default_does_not_leak_and_naive_methods_do() {
         let methods = [Method::DEFAULT, Method::MollerTrumbore, Method::ObvhsBvh2];
-        let found = leaks(&methods, 400_000, 1, &|_| ());
+        let found = leaks(&methods, None, 400_000, 1, &|_| ());
         assert_eq!((found[0].leaks, found[0].rays), (0, 400_000));
         assert_eq!(found[1].rays, 100);
         assert!(found[2].leaks > 20, "{found:?}");
-        assert_eq!(found, leaks(&methods, 400_000, 1, &|_| ()));
+        assert_eq!(found, leaks(&methods, None, 400_000, 1, &|_| ()));
     }
 }

@@ -1,7 +1,10 @@
 //! The methods whose answers are looked at: all accelerators, and what they are better than. The one registry of `stress`.
 
+use super::alone::Alone;
 use super::naive::{EpsilonBsp, Every};
-use crate::accel::{Accelerator, AcceleratorKind, AsShipped, BuildOptions, Hit, ShippedTree};
+use crate::accel::{
+    Accelerator, AcceleratorKind, AsShipped, BuildOptions, Embree, EmbreeMode, Hit, ShippedTree,
+};
 use crate::geometry::{Ray, TriangleTest};
 use crate::render::Answer;
 use crate::scene::Scene;
@@ -31,6 +34,8 @@ pub enum Method {
     ObvhsBvh2Boxes,
     /// obvhs's wide tree with its own boxes, and our triangle test.
     ObvhsCwbvhBoxes,
+    /// Embree, where it is loaded.
+    Embree(EmbreeMode),
 }
 
 /// A method, ready to answer.
@@ -41,13 +46,14 @@ pub(super) enum Built {
     Every(Every),
     EpsilonBsp(EpsilonBsp),
     Shipped(AsShipped),
+    Alone(Alone),
 }
 
 impl Method {
     /// The method that must be right: [`AcceleratorKind::default`].
     pub const DEFAULT: Self = Self::Structure(AcceleratorKind::Bsp);
 
-    /// All of them, the default first.
+    /// All of them, the default first. Those that [need Embree](Self::needs_embree) are not asked without it.
     pub fn all() -> Vec<Self> {
         let structures = AcceleratorKind::ALL.into_iter().map(Self::Structure);
         structures
@@ -63,6 +69,7 @@ impl Method {
                 Self::ObvhsBvh2Boxes,
                 Self::ObvhsCwbvhBoxes,
             ])
+            .chain(EmbreeMode::ALL.map(Self::Embree))
             .collect()
     }
 
@@ -80,6 +87,7 @@ impl Method {
             Self::ObvhsCwbvh => "obvhs-cwbvh",
             Self::ObvhsBvh2Boxes => "obvhs-bvh2-boxes",
             Self::ObvhsCwbvhBoxes => "obvhs-cwbvh-boxes",
+            Self::Embree(mode) => mode.name(),
         }
     }
 
@@ -101,12 +109,18 @@ impl Method {
             Self::ObvhsCwbvh => "obvhs's wide tree as it comes: its boxes, its triangle test",
             Self::ObvhsBvh2Boxes => "obvhs's binary tree, its boxes, the exact triangle test",
             Self::ObvhsCwbvhBoxes => "obvhs's wide tree, its boxes, the exact triangle test",
+            Self::Embree(mode) => mode.description(),
         }
     }
 
     /// Whether it owes the exact answer, bit for bit. Others owe a plausible depth of the nearest triangle.
     pub const fn is_exact(self) -> bool {
         matches!(self, Self::Structure(_))
+    }
+
+    /// Whether it is asked only where Embree is loaded.
+    pub const fn needs_embree(self) -> bool {
+        matches!(self, Self::Embree(_))
     }
 
     /// Whether it may not end, or end the process.
@@ -120,19 +134,36 @@ impl Method {
         }
     }
 
-    /// The method that has the same triangle test and no structure, to tell whose error an error is.
-    pub const fn brute_force(self) -> Self {
-        match self {
+    /// The method that has the same triangle test and no structure, to tell whose error an error is. Embree has none: its test is only had through its
+    /// scenes, and is asked of each triangle in a scene of its own.
+    pub const fn brute_force(self) -> Option<Self> {
+        let method = match self {
             Self::Structure(_) | Self::ObvhsBvh2Boxes | Self::ObvhsCwbvhBoxes => {
                 Self::Structure(AcceleratorKind::Linear)
             }
             Self::Double | Self::Woop | Self::Fast => self,
             Self::MollerTrumbore | Self::EpsilonBsp => Self::MollerTrumbore,
             Self::ObvhsTriangle | Self::ObvhsBvh2 | Self::ObvhsCwbvh => Self::ObvhsTriangle,
+            Self::Embree(_) => return None,
+        };
+        Some(method)
+    }
+
+    /// Whether it has no structure itself.
+    pub(super) fn is_brute_force(self) -> bool {
+        self.brute_force() == Some(self)
+    }
+
+    /// What answers with its triangle test and no structure.
+    pub(super) fn build_brute_force(self, scene: &Scene, embree: Option<&Embree>) -> Built {
+        match (self, self.brute_force()) {
+            (Self::Embree(mode), _) => Built::Alone(Alone::build(scene, loaded(embree), mode)),
+            (_, brute) => brute.unwrap_or(self).build(scene, embree),
         }
     }
 
-    pub(super) fn build(self, scene: &Scene) -> Built {
+    /// Builds it. Methods that need Embree are asked only where it is there.
+    pub(super) fn build(self, scene: &Scene, embree: Option<&Embree>) -> Built {
         let shipped =
             |tree, has_exact_test| Built::Shipped(AsShipped::build(scene, tree, has_exact_test));
         let tested = |test| {
@@ -154,8 +185,17 @@ impl Method {
             Self::ObvhsCwbvh => shipped(ShippedTree::Wide, false),
             Self::ObvhsBvh2Boxes => shipped(ShippedTree::Binary, true),
             Self::ObvhsCwbvhBoxes => shipped(ShippedTree::Wide, true),
+            Self::Embree(mode) => {
+                let built = loaded(embree).build(scene, mode);
+                // The end of a method that cannot be built is its result, as a panic of obvhs is.
+                Built::Structure(Box::new(built.unwrap_or_else(|error| panic!("{error}"))))
+            }
         }
     }
+}
+
+fn loaded(embree: Option<&Embree>) -> &Embree {
+    embree.expect("what needs Embree is not asked without it")
 }
 
 impl std::str::FromStr for Method {
@@ -181,6 +221,7 @@ impl Built {
             Self::Every(every) => every.closest_hit(ray),
             Self::EpsilonBsp(tree) => tree.closest_hit(ray),
             Self::Shipped(tree) => tree.closest_hit(ray),
+            Self::Alone(triangles) => triangles.closest_hit(ray),
         }
     }
 
@@ -211,14 +252,16 @@ mod tests {
     fn names_are_unique_and_read_back() {
         for method in Method::all() {
             assert_eq!(method.name().parse(), Ok(method));
-            assert_eq!(method.brute_force().brute_force(), method.brute_force());
+            let brute = method.brute_force();
+            assert_eq!(brute.is_none(), method.needs_embree());
+            assert!(brute.is_none_or(Method::is_brute_force));
         }
         assert_eq!(Method::all()[0], Method::DEFAULT);
         assert!(
-            "embree"
+            "embryo"
                 .parse::<Method>()
                 .unwrap_err()
-                .contains("obvhs-cwbvh-boxes")
+                .contains("obvhs-cwbvh-boxes, embree, embree-robust")
         );
     }
 
@@ -235,8 +278,9 @@ mod tests {
         let rays: Vec<Ray> = (0..200).map(ray).collect();
         let want: Vec<_> = rays.iter().map(|r| truth.closest_hit(r)).collect();
         assert!(want.iter().flatten().count() > 50);
-        for method in Method::all() {
-            let built = method.build(&scene);
+        let without = Method::all().into_iter().filter(|m| !m.needs_embree());
+        for method in without {
+            let built = method.build(&scene, None);
             let name = |hit: Option<Hit>| hit.map(|h| (h.instance, h.triangle));
             let others = rays
                 .iter()

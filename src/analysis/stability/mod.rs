@@ -8,7 +8,7 @@
 //! - Other methods owe the nearest triangle at a plausible depth: half of the digits of `f32`. Hits whose exact depths round to one `t`, and the neighbour over an
 //!   edge at the true depth, are counted as unresolved, not as errors.
 //!
-//! An error is blamed on the triangle test if brute force with the same test makes it too, and on the traversal otherwise, and is explained by what the ray
+//! An error is blamed on the triangle test if brute force with the same test makes it too (of Embree: each triangle in a scene of its own), and on the traversal otherwise, and is explained by what the ray
 //! passes ([`Trouble`]). Rates come with Wilson's interval. Equal options give equal results on any number of threads, but for children that run out of time.
 //!
 //! ```
@@ -28,6 +28,7 @@
 //! # Ok::<(), String>(())
 //! ```
 
+mod alone;
 mod child;
 mod defects;
 mod judged;
@@ -36,7 +37,7 @@ mod leaks;
 mod limits;
 mod methods;
 mod naive;
-mod random;
+use super::random;
 mod results;
 mod runner;
 mod sign_map;
@@ -44,7 +45,7 @@ mod statistics;
 mod sweeps;
 mod trouble;
 mod truth;
-mod verdict;
+pub(super) mod verdict;
 
 pub use child::{CellTask, Isolation, answer};
 pub use kinds::{Blame, Ending, Kind, Trouble};

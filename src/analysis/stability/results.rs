@@ -265,6 +265,8 @@ pub struct StressResults {
     pub seed: u64,
     /// Rays a step, at most; fewer where each costs very much.
     pub rays: u64,
+    /// The version of Embree, if it took part.
+    pub embree: Option<String>,
     /// The sweeps, in the order of the registry.
     pub sweeps: Vec<SweepResult>,
     /// Rays from inside a closed mesh.

@@ -10,6 +10,7 @@ use super::leaks::leaks;
 use super::methods::Method;
 use super::results::{Cell, FirstFailure, MethodResult, SignMap, Step, StressResults, SweepResult};
 use super::sweeps::Sweep;
+use crate::accel::Embree;
 
 /// Side of the sign map, in points.
 const SIGN_MAP: u32 = 64;
@@ -29,6 +30,8 @@ pub struct StressOptions {
     pub seed: u64,
     /// How children are started. Without it, methods that may run away do not take part in crowds.
     pub isolation: Option<Isolation>,
+    /// The methods that need it take part only with it. Children load it on their own, see [`answer`](super::answer).
+    pub embree: Option<Embree>,
 }
 
 impl Default for StressOptions {
@@ -41,6 +44,7 @@ impl Default for StressOptions {
             leak_rays: 1_000_000,
             seed: 0,
             isolation: None,
+            embree: None,
         }
     }
 }
@@ -66,7 +70,9 @@ impl StressResults {
     /// the work that was done since it was last told.
     pub fn of(options: &StressOptions, watch: &(dyn Fn(f64) + Sync)) -> Self {
         let mut jobs = Vec::new();
-        let is_chained = |sweep: &Sweep, method: &Method| sweep.is_crowd && method.may_run_away();
+        let is_chained = |sweep: &Sweep, method: &Method| {
+            sweep.is_crowd && method.may_run_away() && options.can_ask(*method)
+        };
         for (s, sweep) in options.sweeps.iter().enumerate() {
             let chained = options.methods.iter().filter(|m| is_chained(sweep, m));
             jobs.extend(chained.map(|&method| Job::Chain(s, method)));
@@ -84,14 +90,21 @@ impl StressResults {
         // Jobs are long and uneven: each is a task of its own.
         let found: Vec<Found> = jobs.par_iter().with_max_len(1).map(run).collect();
         let sweeps = collected(options, found);
-        let leaks = leaks(&options.methods, options.leak_rays, options.seed, &|rays| {
-            watch(0.1 * rays as f64 / options.leak_rays as f64);
-        });
+        let embree = options.embree.as_ref();
+        let watch_leaks = |rays| watch(0.1 * rays as f64 / options.leak_rays as f64);
+        let leaks = leaks(
+            &options.methods,
+            embree,
+            options.leak_rays,
+            options.seed,
+            &watch_leaks,
+        );
         let formulas = defects::formulas();
         Self {
             default_method: Method::DEFAULT.name().to_owned(),
             seed: options.seed,
             rays: options.rays as u64,
+            embree: embree.map(|embree| embree.version().to_owned()),
             defects: defects::defects(&sweeps, &formulas),
             sweeps,
             leaks,
@@ -102,6 +115,10 @@ impl StressResults {
 }
 
 impl StressOptions {
+    fn can_ask(&self, method: Method) -> bool {
+        !method.needs_embree() || self.embree.is_some()
+    }
+
     /// One step with the methods that end.
     fn step(&self, s: usize, step: usize) -> Found {
         let sweep = &self.sweeps[s];
@@ -109,11 +126,12 @@ impl StressOptions {
         let case = sweep.case(value, self.rays, self.seed);
         let judged = Judged::of(&case);
         let takes_part = |method: &Method| {
-            !(sweep.is_crowd && method.may_run_away())
+            self.can_ask(*method)
+                && !(sweep.is_crowd && method.may_run_away())
                 && (method.is_exact() || !sweep.is_for_structures)
         };
         let cell = |method: &Method| {
-            let reply = std::panic::catch_unwind(|| judged.cell(*method));
+            let reply = std::panic::catch_unwind(|| judged.cell(*method, self.embree.as_ref()));
             let reply = reply.unwrap_or_else(|cause| died(&*cause));
             (s, step, *method, reply)
         };
@@ -236,6 +254,7 @@ mod tests {
             leak_rays: 40_000,
             seed: 3,
             isolation: None,
+            embree: None,
         }
     }
 

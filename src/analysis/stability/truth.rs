@@ -3,7 +3,9 @@
 use std::collections::HashMap;
 
 use crate::accel::{Hit, TestSpaces};
-use crate::geometry::{Ray, Triangle, exact};
+use crate::analysis::Oracle;
+use crate::analysis::accuracy::exact_hit;
+use crate::geometry::{Ray, Triangle};
 use crate::scene::Scene;
 
 /// What a ray truly meets first.
@@ -26,6 +28,8 @@ struct Unique {
 pub(super) struct Truths<'a> {
     scene: &'a Scene,
     spaces: TestSpaces,
+    /// Decides about single triangles.
+    pub(super) oracle: Oracle<'a>,
     instances: Vec<Vec<Unique>>,
 }
 
@@ -54,6 +58,7 @@ impl<'a> Truths<'a> {
         Self {
             scene,
             spaces,
+            oracle: Oracle::new(scene),
             instances,
         }
     }
@@ -86,37 +91,13 @@ impl<'a> Truths<'a> {
         }
         Truth { hit: best, is_tied }
     }
-
-    /// Where the ray truly hits the triangle of that name; a name that nobody has is not hit.
-    pub(super) fn hit_of(&self, ray: &Ray, instance: u32, triangle: u32) -> Option<f32> {
-        let (ray, triangle) = self.tested(ray, instance, triangle)?;
-        exact_hit(&ray, &triangle)
-    }
-
-    /// The ray and the triangle of that name in the space in which they are tested.
-    pub(super) fn tested(
-        &self,
-        ray: &Ray,
-        instance: u32,
-        triangle: u32,
-    ) -> Option<(Ray, Triangle)> {
-        let placed = self.scene.instances.get(instance as usize)?;
-        let count = self.scene.meshes[placed.mesh as usize].triangles.len();
-        ((triangle as usize) < count).then(|| self.spaces.test(self.scene, ray, instance, triangle))
-    }
-}
-
-fn exact_hit(ray: &Ray, triangle: &Triangle) -> Option<f32> {
-    // The same in two steps: integers are needed for few, and cost a hundred times as much.
-    exact::meets(ray, triangle).then_some(())?;
-    exact::intersect(ray, triangle)
 }
 
 #[cfg(test)]
 mod tests {
     use super::super::sweeps::Sweep;
     use super::*;
-    use crate::analysis::{Oracle, Query};
+    use crate::analysis::Query;
     use crate::render::Answer;
 
     #[test]
@@ -138,9 +119,9 @@ mod tests {
                 );
                 ties += u32::from(truth.is_tied);
                 if let Some(hit) = truth.hit {
-                    assert_eq!(truths.hit_of(ray, hit.instance, hit.triangle), Some(hit.t));
+                    assert_eq!(oracle.hit_of(ray, hit.instance, hit.triangle), Some(hit.t));
                 }
-                assert_eq!(truths.hit_of(ray, 99, 0), None);
+                assert_eq!(oracle.hit_of(ray, 99, 0), None);
             }
         }
         assert!(ties > 20, "{ties}");

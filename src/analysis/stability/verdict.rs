@@ -1,16 +1,15 @@
 //! What is wrong with an answer, and whether that counts: exact methods owe bits, others a plausible depth of the nearest triangle.
 
 use super::kinds::Kind;
-use super::truth::Truths;
 use crate::accel::Hit;
-use crate::analysis::{Fault, judge};
+use crate::analysis::{Fault, Oracle, judge};
 use crate::geometry::Ray;
 use crate::geometry::tolerance::{PLAUSIBLE_DEPTH, SINGLE_DOUBT};
 use crate::render::Answer;
 
 /// What exact arithmetic says of an answer.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Verdict {
+pub(in crate::analysis) enum Verdict {
     Right,
     /// Another triangle than the true one, at its depth as far as single precision can tell: the exact depths round to one `t`, or the triangle is the neighbour
     /// over an edge. No failure of a method that does not promise names.
@@ -19,7 +18,12 @@ pub(super) enum Verdict {
 }
 
 /// Judges the answer of a method that owes the exact one.
-pub(super) fn of_exact(truths: &Truths, ray: &Ray, truth: Option<Hit>, answer: Answer) -> Verdict {
+pub(in crate::analysis) fn of_exact(
+    oracle: &Oracle,
+    ray: &Ray,
+    truth: Option<Hit>,
+    answer: Answer,
+) -> Verdict {
     let owed = match answer {
         Answer::Closest(_) => Answer::Closest(truth),
         Answer::Any(_) => Answer::Any(truth.is_some()),
@@ -30,7 +34,7 @@ pub(super) fn of_exact(truths: &Truths, ray: &Ray, truth: Option<Hit>, answer: A
         Some(Fault::Ghost) => Verdict::Wrong(Kind::Ghost),
         Some(Fault::WrongName) => Verdict::Wrong(Kind::WrongName),
         Some(Fault::WrongDepth) => {
-            let named = |hit: Hit| truths.hit_of(ray, hit.instance, hit.triangle);
+            let named = |hit: Hit| oracle.hit_of(ray, hit.instance, hit.triangle);
             let is_other = match answer {
                 Answer::Closest(Some(hit)) => named(hit).is_some_and(|t| differs(t, truth)),
                 _ => false,
@@ -45,8 +49,8 @@ pub(super) fn of_exact(truths: &Truths, ray: &Ray, truth: Option<Hit>, answer: A
 }
 
 /// Judges the answer of a method that owes a plausible one.
-pub(super) fn of_plausible(
-    truths: &Truths,
+pub(in crate::analysis) fn of_plausible(
+    oracle: &Oracle,
     ray: &Ray,
     truth: Option<Hit>,
     answer: Option<Hit>,
@@ -58,11 +62,11 @@ pub(super) fn of_plausible(
         (Some(truth), Some(answer)) => (truth, answer),
     };
     let is_same = (answer.instance, answer.triangle) == (truth.instance, truth.triangle);
-    let named = truths.hit_of(ray, answer.instance, answer.triangle);
+    let named = oracle.hit_of(ray, answer.instance, answer.triangle);
     if named.is_some_and(|t| differs(t, Some(truth))) {
         return Verdict::Wrong(Kind::WrongOrder);
     }
-    if !is_plausible(truths, ray, truth, answer) {
+    if !is_plausible(oracle, ray, truth, answer) {
         return Verdict::Wrong(Kind::WrongDepth);
     }
     if is_same {
@@ -77,8 +81,8 @@ fn differs(t: f32, truth: Option<Hit>) -> bool {
 }
 
 /// Whether the depth is right but for what a test in single precision may do to it: a share of itself, and what the rounding of coordinates makes of it.
-fn is_plausible(truths: &Truths, ray: &Ray, truth: Hit, answer: Hit) -> bool {
-    let Some((ray, triangle)) = truths.tested(ray, truth.instance, truth.triangle) else {
+fn is_plausible(oracle: &Oracle, ray: &Ray, truth: Hit, answer: Hit) -> bool {
+    let Some((ray, triangle)) = oracle.tested(ray, truth.instance, truth.triangle) else {
         return false;
     };
     let points = triangle.corners().iter().chain([&ray.origin]);
@@ -92,8 +96,16 @@ fn is_plausible(truths: &Truths, ray: &Ray, truth: Hit, answer: Hit) -> bool {
 mod tests {
     use super::super::sweeps::shapes::scene_of;
     use super::*;
+    use crate::analysis::Query;
     use crate::scene::Scene;
     use glam::{DVec3, Vec3};
+
+    fn true_hit(oracle: &Oracle, ray: &Ray) -> Option<Hit> {
+        match oracle.truth(ray, Query::Closest) {
+            Answer::Closest(hit) => hit,
+            Answer::Any(_) => None,
+        }
+    }
 
     /// Two triangles one behind the other, at z = 1 and 2, and a third with an edge in common with the first.
     fn walls() -> Scene {
@@ -116,9 +128,9 @@ mod tests {
     #[test]
     fn plausible_methods_owe_order_and_depth_but_neither_bits_nor_neighbours() {
         let scene = walls();
-        let truths = Truths::of(&scene);
+        let oracle = Oracle::new(&scene);
         let ray = Ray::new(Vec3::new(0.1, 0.2, 0.0), Vec3::Z);
-        let truth = truths.truth(&ray).hit;
+        let truth = true_hit(&oracle, &ray);
         let hit = |t, triangle| {
             Some(Hit {
                 t,
@@ -127,23 +139,23 @@ mod tests {
             })
         };
         assert_eq!(truth, hit(1.0, 0));
-        let verdict = |answer| of_plausible(&truths, &ray, truth, answer);
+        let verdict = |answer| of_plausible(&oracle, &ray, truth, answer);
         assert_eq!(verdict(hit(1.0001, 0)), Verdict::Right);
         assert_eq!(verdict(hit(1.01, 0)), Verdict::Wrong(Kind::WrongDepth));
         assert_eq!(verdict(hit(2.0, 1)), Verdict::Wrong(Kind::WrongOrder));
         assert_eq!(verdict(hit(1.0, 2)), Verdict::Unresolved);
         assert_eq!(verdict(None), Verdict::Wrong(Kind::Hole));
-        let ghost = of_plausible(&truths, &ray, None, hit(1.0, 0));
+        let ghost = of_plausible(&oracle, &ray, None, hit(1.0, 0));
         assert_eq!(ghost, Verdict::Wrong(Kind::Ghost));
     }
 
     #[test]
     fn exact_methods_owe_every_bit_to_every_question() {
         let scene = walls();
-        let truths = Truths::of(&scene);
+        let oracle = Oracle::new(&scene);
         let ray = Ray::new(Vec3::new(0.1, 0.2, 0.0), Vec3::Z);
-        let truth = truths.truth(&ray).hit;
-        let verdict = |answer| of_exact(&truths, &ray, truth, answer);
+        let truth = true_hit(&oracle, &ray);
+        let verdict = |answer| of_exact(&oracle, &ray, truth, answer);
         let closest = |t, triangle| {
             Answer::Closest(Some(Hit {
                 t,

@@ -22,11 +22,24 @@ pub(super) struct Ruler {
     to: f64,
     ticks: Vec<f64>,
     names: Vec<String>,
+    /// Where 0 lies, if it has a place of its own.
+    zero: Option<f64>,
 }
+
+/// How far below the least value 0 lies on an axis that runs by factors, in powers of ten and as a share of all that is shown.
+const ZERO: (f64, f64) = (0.5, 0.12);
 
 impl Ruler {
     /// For these values, of which those that a logarithm has none of are left out.
     pub(super) fn of(scale: Scale, values: impl Iterator<Item = f64>) -> Self {
+        if scale == Scale::LogAndZero {
+            let mut ruler = Self::of(Scale::Log, values);
+            let zero = ruler.from - ZERO.0 - (ruler.to - ruler.from) * ZERO.1;
+            ruler.from = zero - (ruler.to - zero) * FREE;
+            ruler.ticks.insert(0, 0.0);
+            ruler.zero = Some(zero);
+            return ruler;
+        }
         let placed = values.filter_map(|v| place(scale, v));
         let (least, greatest) = placed.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), v| {
             (a.min(v), b.max(v))
@@ -36,7 +49,7 @@ impl Ruler {
         }
         let width = (greatest - least).max(match scale {
             Scale::Linear => greatest.abs().max(1e-9) * 1e-3,
-            Scale::Log => 0.3,
+            Scale::Log | Scale::LogAndZero => 0.3,
         });
         // What has no negative values, and begins near 0, begins at 0.
         let from = least - width * FREE;
@@ -47,7 +60,7 @@ impl Ruler {
         let to = greatest.max(least + width) + width * FREE;
         let ticks = match scale {
             Scale::Linear => linear_ticks(from, to),
-            Scale::Log => log_ticks(from, to),
+            Scale::Log | Scale::LogAndZero => log_ticks(from, to),
         };
         Self {
             scale,
@@ -55,6 +68,7 @@ impl Ruler {
             to,
             ticks,
             names: Vec::new(),
+            zero: None,
         }
     }
 
@@ -72,24 +86,33 @@ impl Ruler {
             to,
             ticks: (0..names.len()).map(|i| i as f64).collect(),
             names: names.to_vec(),
+            zero: None,
         }
     }
 
     /// Whether a value has a place on the axis.
     pub(super) fn has(&self, value: f64) -> bool {
-        place(self.scale, value).is_some()
+        self.place(value).is_some()
     }
 
     /// The value, or the end of the axis that it is beyond.
     pub(super) fn clamped(&self, value: f64) -> f64 {
         let end = |end: f64| match self.scale {
             Scale::Linear => end,
-            Scale::Log => libm::exp10(end),
+            Scale::Log | Scale::LogAndZero => libm::exp10(end),
         };
-        match place(self.scale, value) {
+        match self.place(value) {
             Some(at) if at > self.to => end(self.to),
             Some(at) if at >= self.from => value,
             _ => end(self.from),
+        }
+    }
+
+    /// Where a value lies, before the range.
+    fn place(&self, value: f64) -> Option<f64> {
+        match self.zero {
+            Some(zero) if (0.0..=0.0).contains(&value) => Some(zero),
+            _ => place(self.scale, value),
         }
     }
 
@@ -113,8 +136,8 @@ impl Ruler {
 fn place(scale: Scale, value: f64) -> Option<f64> {
     let at = match scale {
         Scale::Linear => value,
-        Scale::Log if value > 0.0 => libm::log10(value),
-        Scale::Log => return None,
+        Scale::Log | Scale::LogAndZero if value > 0.0 => libm::log10(value),
+        Scale::Log | Scale::LogAndZero => return None,
     };
     at.is_finite().then_some(at)
 }
@@ -159,7 +182,7 @@ impl Ranged for Ruler {
     type ValueType = f64;
 
     fn map(&self, value: &f64, limit: (i32, i32)) -> i32 {
-        let at = place(self.scale, *value).unwrap_or(self.from);
+        let at = self.place(*value).unwrap_or(self.from);
         let share = (at - self.from) / (self.to - self.from);
         limit.0 + (f64::from(limit.1 - limit.0) * share).round() as i32
     }
@@ -194,6 +217,11 @@ mod tests {
         let ruler = Ruler::of(Scale::Log, [3e-5, 0.5, 0.0, f64::NAN].into_iter());
         let names: Vec<String> = ruler.ticks.iter().map(|t| ruler.name(*t)).collect();
         assert_eq!(names, ["1e-4", "0.001", "0.01", "0.1"]);
+        let ruler = Ruler::of(Scale::LogAndZero, [3e-5, 0.5, 0.0].into_iter());
+        let names: Vec<String> = ruler.ticks.iter().map(|t| ruler.name(*t)).collect();
+        assert_eq!(names, ["0", "1e-4", "0.001", "0.01", "0.1"]);
+        assert!(ruler.has(0.0) && !ruler.has(-1.0));
+        assert!(ruler.map(&0.0, (0, 100)) + 5 < ruler.map(&3e-5, (0, 100)));
         let ruler = Ruler::of(Scale::Log, [1.5, 40.0].into_iter());
         let names: Vec<String> = ruler.ticks.iter().map(|t| ruler.name(*t)).collect();
         assert_eq!(names, ["2", "5", "10", "20"]);
@@ -202,14 +230,16 @@ mod tests {
     #[test]
     fn values_lie_between_the_ends_whatever_they_are() {
         for values in [&[][..], &[5.0], &[0.0], &[-3.0, 7.0], &[1e-300, 1e300]] {
-            for scale in [Scale::Linear, Scale::Log] {
+            for scale in [Scale::Linear, Scale::Log, Scale::LogAndZero] {
                 let ruler = Ruler::of(scale, values.iter().copied());
                 for &value in values.iter().filter(|v| ruler.has(**v)) {
                     let at = ruler.map(&value, (100, 0));
                     assert!((0..=100).contains(&at), "{scale:?} {values:?}: {at}");
                 }
                 let at = ruler.map(&ruler.clamped(f64::NEG_INFINITY), (0, 100));
-                assert_eq!(at, 0);
+                // Where the axis ends below the least number, with 0.
+                let most = if scale == Scale::LogAndZero { 6 } else { 0 };
+                assert!((0..=most).contains(&at), "{scale:?} {values:?}: {at}");
             }
         }
         let names = ["a".to_owned(), "b".to_owned()];

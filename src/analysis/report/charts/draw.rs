@@ -36,6 +36,23 @@ type Area<DB> = DrawingArea<DB, Shift>;
 type Drawn<DB> = Result<(), DrawingAreaErrorKind<<DB as DrawingBackend>::ErrorType>>;
 type Axes<'a, DB> = ChartContext<'a, DB, Cartesian2d<Ruler, Ruler>>;
 
+/// Places that are tried for a label above and below its point, each half a line from the last.
+const LABEL_TRIES: i32 = 24;
+
+/// Where a label stands, in units.
+struct Label {
+    left: i32,
+    right: i32,
+    bottom: i32,
+}
+
+impl Label {
+    /// Whether a line of text between these ends, with this bottom, leaves it free.
+    fn is_beside(&self, left: i32, right: i32, bottom: i32) -> bool {
+        right < self.left || self.right < left || (bottom - self.bottom).abs() >= LINE
+    }
+}
+
 /// A surface and the pixels of a unit.
 struct Sheet<'a, DB: DrawingBackend> {
     area: &'a Area<DB>,
@@ -64,11 +81,12 @@ pub(super) fn chart<DB: DrawingBackend>(
 
 fn lines<DB: DrawingBackend>(sheet: &Sheet<DB>, plot: &LineChart) -> Drawn<DB> {
     let points = || plot.series.iter().flat_map(|s| &s.points);
-    let x = Ruler::of(plot.x.scale, points().map(|p| p.x));
+    let x = points().flat_map(|p| [p.x].into_iter().chain(p.across.into_iter().flatten()));
+    let x = Ruler::of(plot.x.scale, x);
     let ends = points().flat_map(|p| {
         // An end at 0 would stretch a logarithmic axis to nothing.
         let ends = p.interval.unwrap_or([p.y; 2]);
-        let is_usable = plot.y.scale == Scale::Linear || ends[0] > p.y * 1e-3;
+        let is_usable = plot.y.scale != Scale::Log || ends[0] > p.y * 1e-3;
         [p.y, ends[1], if is_usable { ends[0] } else { p.y }]
     });
     let y = Ruler::of(plot.y.scale, ends);
@@ -87,6 +105,7 @@ fn lines<DB: DrawingBackend>(sheet: &Sheet<DB>, plot: &LineChart) -> Drawn<DB> {
         let path: Vec<_> = corners.map(|(px, py)| at(px, py)).collect();
         sheet.path(path, INK, 1)?;
     }
+    let mut labels = Vec::new();
     for (number, series) in plot.series.iter().enumerate() {
         let color = COLORS[number % COLORS.len()];
         let shown = || series.points.iter().filter(|p| x.has(p.x) && y.has(p.y));
@@ -99,8 +118,12 @@ fn lines<DB: DrawingBackend>(sheet: &Sheet<DB>, plot: &LineChart) -> Drawn<DB> {
                 let [low, high] = [low, high].map(|end| at(point.x, y.clamped(end)));
                 sheet.bar(low, high, color)?;
             }
+            if let Some(ends) = point.across {
+                let [left, right] = ends.map(|end| at(x.clamped(end), point.y));
+                sheet.bar(left, right, color)?;
+            }
             sheet.mark(place, number)?;
-            sheet.label(place, &point.label)?;
+            sheet.label(place, &point.label, top, &mut labels)?;
         }
     }
     Ok(())
@@ -199,14 +222,40 @@ impl<'a, DB: DrawingBackend> Sheet<'a, DB> {
     }
 
     /// Words beside a point in pixels: at its right, or at its left where there is no room.
-    fn label(&self, (x, y): (i32, i32), text: &str) -> Drawn<DB> {
+    fn label(
+        &self,
+        (x, y): (i32, i32),
+        text: &str,
+        top: i32,
+        others: &mut Vec<Label>,
+    ) -> Drawn<DB> {
         let (x, y) = (x / self.scale, y / self.scale - 7);
         let right = self.area.dim_in_pixel().0 as i32 / self.scale;
-        if x + 8 + CHARACTER * text.chars().count() as i32 > right {
-            self.text((x - 8, y), text, INK, (HPos::Right, VPos::Bottom))
-        } else {
-            self.text((x + 8, y), text, INK, (HPos::Left, VPos::Bottom))
+        let width = CHARACTER * text.chars().count() as i32;
+        let is_left = x + 8 + width > right;
+        let left = if is_left { x - 8 - width } else { x + 8 };
+        // Further and further above and below, until no other label is in the way.
+        let is_free = |y: &i32| {
+            *y >= top + LINE && others.iter().all(|o| o.is_beside(left, left + width, *y))
+        };
+        let mut places = (0..LABEL_TRIES)
+            .flat_map(|i| [-i, i])
+            .map(|i| y + i * LINE / 2);
+        let y = places.find(is_free).unwrap_or(y);
+        if text.is_empty() {
+            return Ok(());
         }
+        others.push(Label {
+            left,
+            right: left + width,
+            bottom: y,
+        });
+        let (x, side) = if is_left {
+            (x - 8, HPos::Right)
+        } else {
+            (x + 8, HPos::Left)
+        };
+        self.text((x, y), text, INK, (side, VPos::Bottom))
     }
 
     fn style(&self) -> TextStyle<'static> {

@@ -25,6 +25,8 @@ pub enum Scale {
     Linear,
     /// By factors; values that are not above 0 are left out.
     Log,
+    /// By factors, with a place for 0 below all others.
+    LogAndZero,
 }
 
 /// An axis.
@@ -53,6 +55,8 @@ pub struct Point {
     pub x: f64,
     /// Along the vertical axis.
     pub y: f64,
+    /// Where `x` lies by its measurement.
+    pub across: Option<[f64; 2]>,
     /// Where `y` lies by its measurement: confidence interval, quartiles.
     pub interval: Option<[f64; 2]>,
     /// Words beside it.
@@ -135,16 +139,21 @@ impl Chart {
         match &self.plot {
             Plot::Lines(chart) => {
                 let (x, y) = (&chart.x.label, &chart.y.label);
-                let [low, high] = ["lower end of", "upper end of"].map(|end| format!("{end} {y}"));
-                let columns = ["series", x, y, &low, &high, "label"];
+                let ends =
+                    |of: &str| ["lower end of", "upper end of"].map(|end| format!("{end} {of}"));
+                let ([left, right], [low, high]) = (ends(x), ends(y));
+                let columns = ["series", x, &left, &right, y, &low, &high, "label"];
                 let mut table = Table::new(&self.name, &self.title, &columns);
                 for series in &chart.series {
                     for p in &series.points {
-                        let [low, high] = [0, 1].map(|end| p.interval.map(|i| i[end]));
+                        let ends = |of: Option<[f64; 2]>| [0, 1].map(|end| of.map(|i| i[end]));
+                        let ([left, right], [low, high]) = (ends(p.across), ends(p.interval));
                         let name = series.name.as_str();
                         table.push(vec![
                             name.into(),
                             p.x.into(),
+                            left.into(),
+                            right.into(),
                             p.y.into(),
                             low.into(),
                             high.into(),

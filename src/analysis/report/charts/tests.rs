@@ -7,6 +7,7 @@ fn line_chart() -> Chart {
     let point = |x: f64, y: f64| Point {
         x,
         y,
+        across: Some([x * 0.9, x * 1.1]),
         interval: Some([y * 0.8, y * 1.3]),
         label: format!("{x} samples"),
     };
@@ -115,9 +116,9 @@ fn pictures_have_ink_where_text_and_marks_are() {
 #[test]
 fn tables_have_every_number() {
     let csv = line_chart().table().csv();
-    assert!(csv.starts_with("series,time (s),error,lower end of error,upper end of error,label\n"));
+    assert!(csv.starts_with("series,time (s),lower end of time (s),upper end of time (s),error,lower end of error,upper end of error,label\n"));
     assert_eq!(csv.lines().count(), 7);
-    assert!(csv.contains("\nbvh2,4,0.225,"));
+    assert!(csv.contains("\nbvh2,4,3.6,4.4,0.225,"));
     let csv = dot_chart().table().csv();
     assert!(csv.contains("\neye,bsp,1,1.5,2\nshadow,bsp,,,\n"), "{csv}");
     let csv = heat_chart().table().csv();

@@ -1,6 +1,7 @@
 //! The walk, compiled once for each instruction set, and the choice among them at run time.
 //!
-//! All `unsafe` of the crate is here: instructions that a machine may lack, and lookups whose indices are right by construction.
+//! All `unsafe` of the crate is here, but for that of the file that loads Embree: instructions that a machine may lack, and lookups whose indices are right by
+//! construction.
 
 #[cfg(target_arch = "x86_64")]
 mod avx2;

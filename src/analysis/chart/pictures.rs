@@ -1,0 +1,135 @@
+//! Methods on pictures: how long one takes to a picture of so many samples, and how far that is from a converged one.
+
+use std::sync::atomic::AtomicBool;
+use std::time::Instant;
+
+use glam::Vec3;
+
+use super::method::ChartMethod;
+use super::{ChartOptions, Doing};
+use crate::analysis::Estimate;
+use crate::analysis::images::{ColorErrors, Colors, PIXELS_PER_DEGREE, flip_hdr};
+use crate::picture::Encoding;
+use crate::render::{self, PixelFilter, PixelRect, RenderOptions, SkyMode, Stage};
+use crate::scene::Scene;
+
+/// The reference has as many samples a pixel for each of the most careful picture's: a quarter of the error's root is its own at most.
+const REFERENCE_SAMPLES: u32 = 16;
+
+/// A picture as a point.
+#[derive(Clone, Debug)]
+pub struct PicturePoint {
+    /// With what it was traced.
+    pub method: ChartMethod,
+    /// Samples a pixel.
+    pub samples: u32,
+    /// Wall-clock seconds of build and render, over the repetitions.
+    pub seconds: Estimate,
+    /// Root of the mean square difference to the reference, in linear light.
+    pub rmse: f64,
+    /// Mean of the square difference over the square of the reference (Rousselle et al. 2011).
+    pub rel_mse: f64,
+    /// Mean of HDR-FLIP.
+    pub flip: f64,
+}
+
+/// All pictures.
+#[derive(Clone, Debug, Default)]
+pub struct PicturePoints {
+    /// By method, and then by samples.
+    pub points: Vec<PicturePoint>,
+    /// Samples a pixel of the reference.
+    pub reference_samples: u32,
+    /// The reference, in linear light.
+    pub reference: Vec<Vec3>,
+}
+
+impl PicturePoints {
+    pub(super) fn of(
+        scene: &Scene,
+        options: &ChartOptions,
+        watch: &(dyn Fn(Doing) + Sync),
+    ) -> Self {
+        let Some(&most) = options.samples.iter().max() else {
+            return Self::default();
+        };
+        let reference_samples = most * REFERENCE_SAMPLES;
+        let usual: ChartMethod = "bsp".parse().expect("the default structure is a method");
+        watch(Doing::Converge(reference_samples));
+        // Other random numbers than those of any picture.
+        let seed = options.seed.wrapping_add(1);
+        let (reference, _) = picture(scene, options, &usual, reference_samples, seed);
+        let mut points = Vec::new();
+        for method in &options.picture_methods {
+            for &samples in &options.samples {
+                watch(Doing::Picture(*method, samples));
+                let mut colors = Vec::new();
+                let seconds = (0..options.repetitions.max(1)).map(|_| {
+                    let (found, seconds) = picture(scene, options, method, samples, options.seed);
+                    colors = found;
+                    seconds
+                });
+                let Some(seconds) = Estimate::of(seconds.collect(), u64::from(options.seed)) else {
+                    continue;
+                };
+                let [test, truth] = [&colors, &reference].map(|c| Colors {
+                    width: options.size.0 as usize,
+                    pixels: c.iter().map(Vec3::to_array).collect(),
+                });
+                let errors = ColorErrors::of(&test, &truth, Encoding::Linear);
+                let (map, _) = flip_hdr(&test, &truth, PIXELS_PER_DEGREE, None);
+                points.push(PicturePoint {
+                    method: *method,
+                    samples,
+                    seconds,
+                    rmse: errors.mse.sqrt(),
+                    rel_mse: errors.rel_mse,
+                    flip: map.iter().map(|&v| f64::from(v)).sum::<f64>() / map.len() as f64,
+                });
+            }
+        }
+        Self {
+            points,
+            reference_samples,
+            reference,
+        }
+    }
+}
+
+/// Builds and renders: the colours, and the seconds that it took.
+fn picture(
+    scene: &Scene,
+    options: &ChartOptions,
+    method: &ChartMethod,
+    samples: u32,
+    seed: u32,
+) -> (Vec<Vec3>, f64) {
+    let (width, height) = options.size;
+    let render = RenderOptions {
+        size: options.size,
+        window: PixelRect {
+            x: 0,
+            y: 0,
+            width,
+            height,
+        },
+        samples,
+        seed,
+        integrator: options.integrator,
+        filter: PixelFilter::BlackmanHarris,
+        counts_cost: false,
+        wants_layers: false,
+    };
+    let started = Instant::now();
+    let accelerator = method
+        .kind
+        .build_with(scene, &method.options(&options.build));
+    let stage = Stage::new(scene, &*accelerator, options.up, SkyMode::Auto);
+    let film = render::render(&stage, &options.camera, &render, &AtomicBool::new(false));
+    let seconds = started.elapsed().as_secs_f64();
+    let colors = film.map(|pixel| {
+        let mean = pixel.sum.mean();
+        mean.color + mean.backdrop
+    });
+    (colors, seconds)
+}

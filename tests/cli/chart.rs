@@ -1,0 +1,85 @@
+//! `bspray chart`: a folder with charts, whose rows hold the commands that make them again.
+
+use serde_json::Value;
+
+use super::run::{Ran, bspray, model};
+
+fn chart(folder: &std::path::Path, args: &str) -> Ran {
+    let words = args.split(' ').map(str::to_owned);
+    let all: Vec<String> = ["chart".to_owned(), model("lecture-objects.gltf")]
+        .into_iter()
+        .chain(words)
+        .collect();
+    bspray(folder, &all)
+}
+
+const SMALL: &str =
+    "--resolution 24x16 --repetitions 1 --method bsp,bvh2,bvh2:fast --samples 4,1,4 --max-depth 2";
+
+#[test]
+fn points_have_numbers_and_commands_that_make_them_again() {
+    let folder = tempfile::tempdir().unwrap();
+    let ran = chart(
+        folder.path(),
+        &format!("{SMALL} --report page --json --quiet"),
+    );
+    assert_eq!(ran.code, Some(0), "{ran:?}");
+    let report: Value = serde_json::from_str(&ran.stdout).expect("one JSON value");
+    assert_eq!(report["words"][0]["tone"], "good");
+    let rows = |table: &str| report["tables"][table]["rows"].as_array().unwrap().clone();
+    let rays = rows("rays");
+    let names: Vec<_> = rays.iter().map(|r| r["method"].as_str().unwrap()).collect();
+    assert_eq!(names, ["bsp", "bvh2", "bvh2:fast"]);
+    for row in &rays[..2] {
+        for value in ["wrong at edges", "wrong in view", "depth error, greatest"] {
+            assert_eq!(row[value].as_f64(), Some(0.0), "{row}");
+        }
+    }
+    // Depths in single precision are not exact.
+    assert!(rays[2]["depth error, greatest"].as_f64().unwrap() > 0.0);
+    let pictures = rows("pictures");
+    let samples: Vec<_> = pictures
+        .iter()
+        .map(|r| r["samples"].as_u64().unwrap())
+        .collect();
+    assert_eq!(samples, [1, 4, 1, 4, 1, 4]);
+    // Exact structures make the same picture; more samples are nearer to the reference.
+    assert_eq!(pictures[0]["relMSE"], pictures[2]["relMSE"]);
+    let error = |row: usize| pictures[row]["RMSE"].as_f64().unwrap();
+    assert!(error(1) < error(0));
+    for file in [
+        "report.html",
+        "wrong-at-edges.svg",
+        "picture-relmse.png",
+        "rays.csv",
+        "reference.png",
+    ] {
+        assert!(folder.path().join("page").join(file).is_file(), "{file}");
+    }
+    for row in [&rays[2], &pictures[5]] {
+        let command = row["command"].as_str().unwrap();
+        let words: Vec<_> = command.split(' ').skip(1).collect();
+        let again = bspray(folder.path(), &words);
+        assert_eq!(again.code, Some(0), "{command}: {again:?}");
+    }
+    assert!(folder.path().join("picture.exr").is_file());
+}
+
+#[test]
+fn what_cannot_be_charted_is_said_in_a_line() {
+    let folder = tempfile::tempdir().unwrap();
+    for (args, words) in [
+        ("--method bsp:exact", "no method"),
+        (
+            "--method bvh2,bvh2:exact",
+            "error: --method names bvh2 twice",
+        ),
+        ("--quick --thorough", "cannot be used with"),
+        ("--samples x", "--samples"),
+    ] {
+        let ran = chart(folder.path(), args);
+        assert_eq!((ran.code, ran.stdout.as_str()), (Some(2), ""), "{ran:?}");
+        assert!(ran.stderr.contains(words), "{words}: {}", ran.stderr);
+    }
+    assert_eq!(super::run::names(folder.path()), [""; 0]);
+}
