@@ -31,7 +31,8 @@ impl StagedFacet {
         let triangle = Triangle::new(points[0], points[1], points[2]);
         let facet = Facet::new(triangle);
         let material = mesh.material_of(hit.triangle);
-        let uv_set = (mesh.uv_sets.first()).filter(|_| stage.is_textured[material as usize]);
+        let uv_set =
+            (mesh.uv_sets.first()).filter(|_| stage.materials[material as usize].is_textured);
         let density = |set: &Vec<Vec2>| {
             uv_per_length(
                 points,

@@ -2,7 +2,7 @@
 
 use glam::Vec3;
 
-use super::bsdf::{Bsdf, Lobes, Normals, Solid};
+use super::bsdf::{Bsdf, Lobes, Matt, Normals, Scattering, Solid};
 use super::stage::Stage;
 use super::surface::{MaterialPoint, Surface};
 use super::texture::ColorSpace;
@@ -65,17 +65,30 @@ impl Surface {
 
     /// How the surface scatters light to a viewer in direction `view`. `eta` is the index of refraction behind it over the one before it,
     /// for materials into which light enters.
-    pub(super) fn bsdf<'s>(
+    #[inline]
+    pub(super) fn scattering<'s>(
         &self,
         stage: &'s Stage,
         point: &MaterialPoint,
         view: Vec3,
         eta: f32,
-    ) -> Bsdf<'s> {
-        self.bsdf_of(stage, &self.lobes(stage, point), view, eta)
+    ) -> Scattering<'s> {
+        if stage.materials[self.material as usize].is_matt {
+            let normal = self.mapped_normal(stage, self.footprint);
+            let shading = bent(normal, self.geometric_normal, view);
+            return Scattering::Matt(Matt {
+                normals: Normals {
+                    geometric: self.geometric_normal,
+                    shading,
+                    coat: shading,
+                },
+                albedo: point.base_color.clamp(Vec3::ZERO, Vec3::ONE),
+            });
+        }
+        Scattering::Layers(self.bsdf_of(stage, &self.lobes(stage, point), view, eta))
     }
 
-    /// As [`Surface::bsdf`], of lobes that are known.
+    /// The layers of [`Surface::scattering`], of lobes that are known.
     pub(super) fn bsdf_of<'s>(
         &self,
         stage: &'s Stage,
@@ -95,7 +108,11 @@ impl Surface {
 
 /// The shading normal, turned towards the viewer as far as it takes for the mirrored view not to point into the surface: without this,
 /// mirrors are black along their rims (Keller et al. 2017, "The Iray Light Transport Simulation and Rendering System", A.3).
+#[inline]
 fn bent(normal: Vec3, geometric: Vec3, view: Vec3) -> Vec3 {
+    if normal == geometric {
+        return normal;
+    }
     let mirrored = normal * (2.0 * normal.dot(view)) - view;
     let height = mirrored.dot(geometric);
     if height >= 0.0 {

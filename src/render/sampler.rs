@@ -25,7 +25,15 @@ pub struct Sampler {
     /// Pairs of dimensions taken so far.
     pairs: u32,
     /// The second number of a pair of which the first was taken alone.
-    spare: Option<f32>,
+    spare: Option<Spare>,
+}
+
+/// A number that waits to be taken.
+#[derive(Clone, Copy, Debug)]
+enum Spare {
+    Known(f32),
+    /// The second of this pair, which nobody has asked for so far.
+    OfPair(u32),
 }
 
 impl Sampler {
@@ -55,27 +63,52 @@ impl Sampler {
     }
 
     /// The next number, in [0, 1).
+    #[inline]
     pub fn next_1d(&mut self) -> f32 {
-        if let Some(second) = self.spare.take() {
-            return second;
+        match self.spare.take() {
+            Some(Spare::Known(second)) => second,
+            Some(Spare::OfPair(pair)) => self.pair(pair)[1],
+            None => {
+                let [first, second] = self.next_2d();
+                self.spare = Some(Spare::Known(second));
+                first
+            }
         }
-        let [first, second] = self.next_2d();
-        self.spare = Some(second);
-        first
+    }
+
+    /// The next number if it `counts`; else 0 in its place, which costs nothing.
+    #[inline]
+    pub fn next_1d_if(&mut self, counts: bool) -> f32 {
+        if counts {
+            return self.next_1d();
+        }
+        if self.spare.take().is_none() {
+            self.spare = Some(Spare::OfPair(self.pairs));
+            self.pairs += 1;
+        }
+        0.0
     }
 
     /// The next two numbers, each in [0, 1), which are stratified together.
     #[inline]
     pub fn next_2d(&mut self) -> [f32; 2] {
-        let seed = hash(self.seed.wrapping_add(self.pairs.wrapping_mul(0x9e37_79b9)));
         self.pairs += 1;
+        self.pair(self.pairs - 1)
+    }
+
+    #[inline]
+    fn pair(&self, pair: u32) -> [f32; 2] {
+        let seed = hash(self.seed.wrapping_add(pair.wrapping_mul(0x9e37_79b9)));
         // The first dimension of the sequence is the index with its bits reversed, which is what the scramble works on.
         let first = scramble(self.reversed, hash(seed ^ self.high));
-        let second = pascal(first);
-        [
-            owen(first, seed.wrapping_mul(0x2c1b_3c6d)),
-            owen(second, seed.wrapping_mul(0x297a_2d39) ^ 0x5555_5555),
-        ]
+        let first = first.reverse_bits();
+        owen(
+            [first, pascal(first)],
+            [
+                seed.wrapping_mul(0x2c1b_3c6d),
+                seed.wrapping_mul(0x297a_2d39) ^ 0x5555_5555,
+            ],
+        )
     }
 }
 
@@ -89,13 +122,13 @@ fn spread(x: u32) -> u64 {
     u64::from(x)
 }
 
-/// The second dimension of the Sobol sequence for the first: its bits, highest first, are multiplied by Pascal's triangle modulo 2.
+/// The second dimension of the Sobol sequence for the first, both with their first bit lowest: the bits are multiplied by Pascal's triangle modulo 2.
 fn pascal(mut x: u32) -> u32 {
-    x ^= x << 16;
-    x ^= (x & 0x00ff_00ff) << 8;
-    x ^= (x & 0x0f0f_0f0f) << 4;
-    x ^= (x & 0x3333_3333) << 2;
-    x ^ (x & 0x5555_5555) << 1
+    x ^= x >> 16;
+    x ^= (x & 0xff00_ff00) >> 8;
+    x ^= (x & 0xf0f0_f0f0) >> 4;
+    x ^= (x & 0xcccc_cccc) >> 2;
+    x ^ (x & 0xaaaa_aaaa) >> 1
 }
 
 /// Changes each bit of `x` by a function of those below it, the seed and its place: the permutation of Laine and Karras (2011) with the constants that Nathan Vegdahl found in
@@ -108,10 +141,13 @@ fn scramble(mut x: u32, seed: u32) -> u32 {
     x ^ x.wrapping_mul(0x53a2_2864)
 }
 
-/// A nested scramble of the digits of a fraction of 32 bits, as a number in [0, 1).
-fn owen(fraction: u32, seed: u32) -> f32 {
-    let scrambled = scramble(fraction.reverse_bits(), seed).reverse_bits();
-    (scrambled >> 8) as f32 * (1.0 / (1 << 24) as f32)
+/// Nested scrambles of the digits of two fractions of 32 bits, the first digit lowest, as numbers in [0, 1).
+#[inline(always)]
+fn owen(fractions: [u32; 2], seeds: [u32; 2]) -> [f32; 2] {
+    let [first, second] = [0, 1].map(|i| u64::from(scramble(fractions[i], seeds[i])));
+    // Both are reversed at once.
+    let both = (first << 32 | second).reverse_bits();
+    [both as u32, (both >> 32) as u32].map(|x| (x >> 8) as f32 * (1.0 / (1 << 24) as f32))
 }
 
 /// Mixes 32 bits: the hash `lowbias32` of Chris Wellons' search for such functions (2018), a bijection without fixed
@@ -153,6 +189,23 @@ mod tests {
     }
 
     #[test]
+    fn numbers_that_do_not_count_leave_the_others_as_they_are() {
+        let numbers = |counts: [bool; 5]| {
+            let mut s = Sampler::new(3, 5, 7, 9);
+            let [a, b, c, d, e] = counts.map(|counts| (s.next_1d_if(counts), s.next_2d()));
+            [a, b, c, d, e]
+        };
+        let all = numbers([true; 5]);
+        for skipped in 0..32 {
+            let counts = [0, 1, 2, 3, 4].map(|i| skipped >> i & 1 == 0);
+            for ((some, all), counts) in numbers(counts).into_iter().zip(all).zip(counts) {
+                assert_eq!(some.0, if counts { all.0 } else { 0.0 });
+                assert_eq!(some.1, all.1);
+            }
+        }
+    }
+
+    #[test]
     fn the_second_dimension_is_that_of_sobols_direction_numbers() {
         // v(1) = 1, and v(j) = v(j - 1) xor v(j - 1) / 2 of the polynomial x + 1, as fractions of 32 bits.
         let mut directions = [1_u32 << 31; 32];
@@ -162,7 +215,7 @@ mod tests {
         for index in [0_u32, 1, 2, 3, 5, 8, 21, 1000, 0x8000_0001, 0xdead_beef] {
             let chosen = (0..32).filter(|j| index >> j & 1 == 1);
             let want = chosen.fold(0, |value, j| value ^ directions[j]);
-            assert_eq!(pascal(index.reverse_bits()), want, "{index}");
+            assert_eq!(pascal(index).reverse_bits(), want, "{index}");
         }
     }
 

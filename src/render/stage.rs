@@ -8,13 +8,14 @@ use glam::{DMat3, Vec3};
 use super::bsdf::GlassEnergy;
 use super::environment::Environment;
 use super::lights::{Lights, has_directional};
+use super::surface::MaterialPoint;
 use super::tangents::Tangents;
 use super::texture::Textures;
 use crate::accel::bsp::polygon::SceneTrees;
 use crate::accel::{Accelerator, TestSpaces};
 use crate::geometry::Triangle;
 use crate::geometry::tolerance::surface_offset_factors;
-use crate::scene::{Instance, Scene, Sky, TriangleMesh};
+use crate::scene::{Instance, Material, Scene, Sky, TriangleMesh};
 
 /// When the sky and sun of our own light a scene.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -55,8 +56,7 @@ pub struct Stage<'a> {
     /// Greatest depth of their nodes: 0 for a root alone.
     pub(super) deepest_node: u32,
     pub(super) instances: Vec<StagedInstance>,
-    /// For each material, whether it has a texture.
-    pub(super) is_textured: Vec<bool>,
+    pub(super) materials: Vec<StagedMaterial>,
     /// For each material into which light enters, what its interface loses.
     pub(super) glass: Vec<Option<Arc<GlassEnergy>>>,
     /// Tangents for normal maps, where the file has none.
@@ -68,7 +68,28 @@ pub(super) struct StagedInstance {
     /// Takes object-space normals to world space, up to length.
     pub(super) normal_matrix: DMat3,
     pub(super) is_mirrored: bool,
+    /// Whether its mesh has vertex colours.
+    pub(super) is_colored: bool,
     offset_factors: (f32, f32),
+}
+
+/// What is worked out for each material.
+pub(super) struct StagedMaterial {
+    pub(super) is_textured: bool,
+    pub(super) is_matt: bool,
+    /// Its values, if they are the same everywhere on meshes without vertex colours.
+    pub(super) point: Option<MaterialPoint>,
+}
+
+impl StagedMaterial {
+    fn new(material: &Material) -> Self {
+        let is_textured = material.texture_refs().next().is_some();
+        Self {
+            is_textured,
+            is_matt: material.is_matt(),
+            point: (!is_textured).then(|| MaterialPoint::plain(material)),
+        }
+    }
 }
 
 impl StagedInstance {
@@ -104,6 +125,7 @@ impl<'a> Stage<'a> {
             StagedInstance {
                 normal_matrix: if is_mirrored { -cofactors } else { cofactors },
                 is_mirrored,
+                is_colored: !scene.meshes[instance.mesh as usize].colors.is_empty(),
                 offset_factors: surface_offset_factors(instance.world_from_object.matrix3, radius),
             }
         };
@@ -131,9 +153,7 @@ impl<'a> Stage<'a> {
             trees: None,
             deepest_node: 0,
             instances,
-            is_textured: (scene.materials.iter())
-                .map(|m| m.texture_refs().next().is_some())
-                .collect(),
+            materials: scene.materials.iter().map(StagedMaterial::new).collect(),
             glass: glass(scene),
             tangents: Tangents::new(scene),
         }

@@ -54,6 +54,23 @@ pub struct MaterialPoint {
     pub is_unlit: bool,
 }
 
+impl MaterialPoint {
+    /// Those of a material without textures and vertex colours.
+    pub(super) fn plain(material: &Material) -> Self {
+        let emission = if material.unlit {
+            Vec3::ZERO
+        } else {
+            material.emissive
+        };
+        Self {
+            base_color: material.base_color.truncate(),
+            alpha: alpha_of(material, material.base_color),
+            emission,
+            is_unlit: material.unlit,
+        }
+    }
+}
+
 impl Surface {
     /// Looks up the surface at a hit of a ray.
     pub fn at(stage: &Stage, ray: &Ray, hit: Hit) -> Self {
@@ -180,6 +197,16 @@ impl Surface {
     /// The material's values here.
     #[inline]
     pub fn material_point(&self, stage: &Stage) -> MaterialPoint {
+        let plain = &stage.materials[self.material as usize].point;
+        if let Some(point) = plain
+            && !stage.instances[self.hit.instance as usize].is_colored
+        {
+            return *point;
+        }
+        self.varying_point(stage)
+    }
+
+    fn varying_point(&self, stage: &Stage) -> MaterialPoint {
         let material = self.material(stage);
         let color = self.color(stage, material);
         let emission = if material.emissive == Vec3::ZERO || material.unlit {

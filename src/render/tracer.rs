@@ -163,7 +163,7 @@ impl<'a> Tracer<'a> {
         if self.cost.is_some() || self.record.is_some() {
             return None;
         }
-        hits.clear();
+        // What is in there is written over.
         hits.resize(rays.len(), None);
         self.accelerator.closest_hits(rays, hits);
         *self.count(kind) += rays.len() as u64;
@@ -180,7 +180,6 @@ impl<'a> Tracer<'a> {
         if self.cost.is_some() || self.record.is_some() {
             return None;
         }
-        hits.clear();
         hits.resize(rays.len(), false);
         self.accelerator.any_hits(rays, hits);
         *self.count(kind) += rays.len() as u64;

@@ -303,6 +303,15 @@ impl Material {
         self.normal_texture.or(coat).map(|t| t.uv_set)
     }
 
+    /// Whether the surface scatters light evenly and does nothing else with it (Lambert): no texture gives it mirrors, a coat, sheen, or lets light pass.
+    pub fn is_matt(&self) -> bool {
+        self.metallic <= 0.0
+            && self.specular.is_some_and(|s| s.factor <= 0.0)
+            && self.transmission.is_none_or(|t| t.factor <= 0.0)
+            && self.clearcoat.is_none_or(|c| c.factor <= 0.0)
+            && self.sheen.is_none_or(|s| s.color == Vec3::ZERO)
+    }
+
     /// Whether light that passes the surface enters a medium and is bent. Else a surface that light passes is a thin wall.
     pub fn is_solid(&self) -> bool {
         let passes = self.transmission.is_some_and(|t| t.factor > 0.0);

@@ -14,15 +14,19 @@ mod fresnel;
 mod ggx;
 mod glass;
 mod layers;
+mod matt;
 mod mirrored;
 mod mirrors;
 mod scatter;
+mod scattering;
 
 use glam::Vec3;
 
 pub use energy::GlassEnergy;
 pub use layers::Bsdf;
+pub use matt::Matt;
 pub use mirrored::Mirrored;
+pub use scattering::Scattering;
 
 /// A solid medium behind a surface.
 #[derive(Clone, Copy, Debug)]
@@ -101,6 +105,18 @@ impl Normals {
             geometric: normal,
             shading: normal,
             coat: normal,
+        }
+    }
+
+    /// Fades out light that grazes the surface but not its shading normal, which else would end in a hard line where the triangle turns
+    /// away: Chiang, Li and Burley 2019, "Taming the Shadow Terminator". `cosine` and `side` are those of the light to the shading and the geometric normal.
+    fn terminator(&self, cosine: f32, side: f32) -> f32 {
+        let turned = self.geometric.dot(self.shading).max(0.0);
+        let share = side / (cosine * turned);
+        if share >= 1.0 {
+            1.0
+        } else {
+            share + share * share - share * share * share
         }
     }
 }

@@ -8,7 +8,7 @@ use super::frame::Frame;
 use super::layers::{BASE, Bsdf, COAT, DIFFUSE, LOBES, SHEEN, SOLID, THIN};
 use super::mirrors::Mirrors;
 use super::{ScatterKind, Scattered, charlie};
-use crate::render::lights::around;
+use crate::render::lights::around_z;
 
 impl Bsdf<'_> {
     /// The value for light from a direction, and the density with which [`Bsdf::sample`] chooses it. Smooth mirrors and lenses count
@@ -32,7 +32,7 @@ impl Bsdf<'_> {
                 density += chances[SHEEN] / TAU;
             }
             // Matt light alone, as in Cycles: mirrors have no terminator, and would only lose light.
-            value *= self.terminator(i.z, side);
+            value *= self.normals.terminator(i.z, side);
             let mut add = |mirrors: &Mirrors, i: Vec3, chance: f32| {
                 let (white, lobe, cosine) = mirrors.white(i);
                 value += mirrors.reflectance(cosine) * white;
@@ -74,14 +74,10 @@ impl Bsdf<'_> {
         };
         let (i, frame, kind) = match lobe {
             DIFFUSE => {
-                let i = around(Vec3::Z, (1.0 - u[0]).sqrt(), u[1]);
+                let i = around_z((1.0 - u[0]).sqrt(), u[1]);
                 (i, &self.frame, ScatterKind::Diffuse)
             }
-            SHEEN => (
-                around(Vec3::Z, u[0], u[1]),
-                &self.frame,
-                ScatterKind::Diffuse,
-            ),
+            SHEEN => (around_z(u[0], u[1]), &self.frame, ScatterKind::Diffuse),
             BASE | COAT => {
                 let mirrors = match &self.coat {
                     Some(coat) if lobe == COAT => coat,
@@ -174,18 +170,6 @@ impl Bsdf<'_> {
         let side = scattered.direction.dot(self.normals.geometric);
         let is_right = (side > 0.0) == (scattered.kind == ScatterKind::Reflection);
         is_right.then_some(scattered)
-    }
-
-    /// Fades out light that grazes the surface but not its shading normal, which else would end in a hard line where the triangle turns
-    /// away: Chiang, Li and Burley 2019, "Taming the Shadow Terminator".
-    fn terminator(&self, cosine: f32, side: f32) -> f32 {
-        let turned = self.normals.geometric.dot(self.normals.shading).max(0.0);
-        let share = side / (cosine * turned);
-        if share >= 1.0 {
-            1.0
-        } else {
-            share + share * share - share * share * share
-        }
     }
 }
 

@@ -70,7 +70,7 @@ impl Lit {
         };
         let mut surface = Surface::kept(stage, &mut tracer.facets, ray, hit);
         // No further ray takes the cone over.
-        if stage.is_textured[surface.material as usize] {
+        if stage.materials[surface.material as usize].is_textured {
             surface.widen(ray, cone);
         }
         let point = surface.material_point(stage);

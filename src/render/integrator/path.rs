@@ -6,7 +6,7 @@ use glam::Vec3;
 use super::media::Media;
 use super::{LightSearch, MOST_LAYERS, Radiance, shadow_ray_to, visibility};
 use crate::geometry::{Ray, RayOrigin};
-use crate::render::bsdf::{Bsdf, ScatterKind};
+use crate::render::bsdf::{ScatterKind, Scattering};
 use crate::render::lights::Incident;
 use crate::render::ray_cone::RayCone;
 use crate::render::sampler::Sampler;
@@ -100,7 +100,7 @@ pub(super) fn shade(
         } else {
             1.0
         };
-        let bsdf = surface.bsdf(stage, &material, view, eta);
+        let bsdf = surface.scattering(stage, &material, view, eta);
         if depth == 1 {
             seen.diffuse_albedo = bsdf.diffuse_albedo();
             seen.specular_albedo = bsdf.specular_albedo();
@@ -112,8 +112,7 @@ pub(super) fn shade(
         let lit = look_for_lights(stage, tracer, &surface, &bsdf, sampler, (depth, limits));
         path.radiance += path.throughput * lit;
 
-        let choice = sampler.next_1d();
-        let Some(next) = bsdf.sample(choice, sampler.next_2d()) else {
+        let Some(next) = bsdf.sample(sampler) else {
             break;
         };
         path.throughput *= next.weight;
@@ -188,7 +187,7 @@ fn look_for_lights(
     stage: &Stage,
     tracer: &mut Tracer,
     surface: &Surface,
-    bsdf: &Bsdf,
+    bsdf: &Scattering,
     sampler: &mut Sampler,
     (depth, limits): (u32, Limits),
 ) -> Vec3 {
@@ -210,7 +209,7 @@ fn look_for_lights(
         sum += value * incident.irradiance * (passed * share);
     };
     if lights.has_punctual() {
-        let choice = sampler.next_1d();
+        let choice = sampler.next_1d_if(lights.has_many_punctual());
         let worth = |direction: Vec3| bsdf.evaluate(direction).0.element_sum();
         if let Some(incident) = lights.one_punctual(surface.position, choice, worth) {
             add(tracer, incident);

@@ -28,7 +28,7 @@ impl Emitter {
     /// Radiance back along a ray that reaches a point of the triangle at its end, where the triangle covers all of it or a share.
     fn radiance(&self, stage: &Stage, ray: &Ray) -> Vec3 {
         let material = &stage.scene.materials[self.material as usize];
-        if !stage.is_textured[self.material as usize] && !material.has_alpha() {
+        if !stage.materials[self.material as usize].is_textured && !material.has_alpha() {
             return material.emissive;
         }
         let (instance, triangle) = self.name;

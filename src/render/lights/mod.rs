@@ -74,6 +74,11 @@ impl Lights {
         !self.punctual.is_empty()
     }
 
+    /// Whether [`Lights::one_punctual`] has a choice.
+    pub(super) fn has_many_punctual(&self) -> bool {
+        self.punctual.len() > 1
+    }
+
     /// Light from each punctual light at a point.
     pub(super) fn punctual(&self, point: Vec3) -> impl Iterator<Item = Incident> + '_ {
         self.punctual
@@ -89,7 +94,7 @@ impl Lights {
         mut choice: f32,
         worth: impl Fn(Vec3) -> f32,
     ) -> Option<Incident> {
-        if self.punctual.len() == 1 {
+        if !self.has_many_punctual() {
             // There is no choice, whatever it is worth.
             return self.punctual(point).next();
         }
@@ -142,9 +147,20 @@ pub(super) fn has_directional(scene: &Scene) -> bool {
 /// A unit vector at an angle with the given cosine from `axis`, turned around it by a share `turn` of the full circle.
 pub(super) fn around(axis: Vec3, cosine: f32, turn: f32) -> Vec3 {
     let (tangent, bitangent) = axis.any_orthonormal_pair();
+    let (x, y) = ring(cosine, turn);
+    (tangent * x + bitangent * y + axis * cosine).normalize()
+}
+
+/// As [`around`] the axis z.
+pub(super) fn around_z(cosine: f32, turn: f32) -> Vec3 {
+    let (x, y) = ring(cosine, turn);
+    Vec3::new(x, y, cosine).normalize()
+}
+
+fn ring(cosine: f32, turn: f32) -> (f32, f32) {
     let sine = (1.0 - cosine * cosine).max(0.0).sqrt();
     let (s, c) = libm::sincosf(turn * std::f32::consts::TAU);
-    (tangent * (sine * c) + bitangent * (sine * s) + axis * cosine).normalize()
+    (sine * c, sine * s)
 }
 
 /// A unit vector of the hemisphere around `normal`, chosen with a density of its cosine over pi.
