@@ -31,6 +31,7 @@ mod overlay_args;
 mod pixel;
 mod progress;
 mod render;
+mod savings_args;
 mod shell;
 mod shot;
 mod stress;

@@ -22,6 +22,7 @@ use super::lens_args::LensArgs;
 use super::model_args::ModelArgs;
 use super::motion::{self, Neighbors};
 use super::overlay_args::OverlayArgs;
+use super::savings_args::SavingsArgs;
 use super::shot::Studio;
 use super::summary::Seconds;
 use super::tev::Server;
@@ -109,6 +110,8 @@ pub(super) struct RenderArgs {
     pub(super) display: DisplayArgs,
     #[command(flatten)]
     pub(super) overlay: OverlayArgs,
+    #[command(flatten)]
+    pub(super) savings: SavingsArgs,
     /// Show the picture while it is rendered, in tev, which listens on port 14158, or another program of its protocol
     #[arg(long, value_name = "HOST:PORT", value_parser = values::address, conflicts_with = "pixel", help_heading = "Display")]
     display_server: Option<String>,
