@@ -14,13 +14,16 @@ pub mod tolerance;
 mod triangle;
 mod triangle_tests;
 
+/// Values that loops work on at once which are compiled for several sets of instructions: as many `f32` as the widest vectors have.
+pub const LANES: usize = 16;
+
 pub use aabb::Aabb;
 pub use bounding_sphere::BoundingSphere;
 pub(crate) use facet::Facet;
 pub use interval::Interval;
 pub use ray::{Ray, RayOrigin};
-pub(crate) use ray_frame::rounded;
 pub use ray_frame::{RayFrame, Verdict};
+pub(crate) use ray_frame::{is_beside, rounded};
 pub use triangle::{Barycentric, Triangle};
 pub use triangle_tests::TriangleTest;
 pub(crate) use triangle_tests::{Double, Fast, TestedRay, Watertight, moller_trumbore};

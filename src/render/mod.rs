@@ -9,6 +9,7 @@ pub mod bsdf;
 mod cryptomatte;
 mod denoise;
 mod environment;
+mod eye_rays;
 mod facets;
 mod film;
 mod filter;
@@ -219,21 +220,6 @@ impl PixelRenderer<'_> {
     pub fn sample(&self, tracer: &mut Tracer, x: u32, y: u32, sample: u32) -> Sample {
         let (ray, sampler) = self.begin(x, y, sample);
         self.finish(tracer, &ray, sampler, self.cone())
-    }
-
-    /// The eye ray of a sample, and the numbers that are left.
-    #[inline(always)]
-    fn begin(&self, x: u32, y: u32, sample: u32) -> (Ray, Sampler) {
-        let options = self.options;
-        let mut sampler = Sampler::among(x, y, sample, options.samples, options.seed);
-        let (dx, dy) = options.filter.sample(sampler.next_2d());
-        let (column, row) = (f64::from(x) + 0.5 + dx, f64::from(y) + 0.5 + dy);
-        let ray = if self.camera.lens().is_some() {
-            self.camera.lens_ray(column, row, sampler.next_2d())
-        } else {
-            self.camera.ray(column, row, Some((x, y)))
-        };
-        (ray, sampler)
     }
 
     /// What the eye sees along the ray of a sample.

@@ -12,6 +12,10 @@
 //! The pixels complete one another only when each has taken all of its samples. Of a number that is a power of two, all of the stretch is used; of another, or in a render that is
 //! ended early, each pixel has a beginning of its own stretch, which is a set as good as one of independent scrambles, and the noise is white.
 
+use multiversion::multiversion;
+
+use crate::geometry::LANES;
+
 /// Samples that one order has, as a power of two; beyond them it is scrambled anew.
 const MOST_SAMPLES_LOG2: u32 = 16;
 
@@ -98,18 +102,62 @@ impl Sampler {
 
     #[inline]
     fn pair(&self, pair: u32) -> [f32; 2] {
-        let seed = hash(self.seed.wrapping_add(pair.wrapping_mul(0x9e37_79b9)));
-        // The first dimension of the sequence is the index with its bits reversed, which is what the scramble works on.
-        let first = scramble(self.reversed, hash(seed ^ self.high));
-        let first = first.reverse_bits();
-        owen(
-            [first, pascal(first)],
-            [
-                seed.wrapping_mul(0x2c1b_3c6d),
-                seed.wrapping_mul(0x297a_2d39) ^ 0x5555_5555,
-            ],
-        )
+        let [first, second] = pair_of(self.place(pair), self.reversed, self.high).map(u64::from);
+        // Both are reversed at once.
+        let both = (first << 32 | second).reverse_bits();
+        [both as u32, (both >> 32) as u32].map(in_unit_interval)
     }
+
+    /// What sets a pair of this sampler apart from its others.
+    #[inline(always)]
+    fn place(&self, pair: u32) -> u32 {
+        self.seed.wrapping_add(pair.wrapping_mul(0x9e37_79b9))
+    }
+
+    /// As [`Sampler::next_2d`] of each of as many samplers as there are lanes: all first numbers, and all second ones.
+    #[inline]
+    pub(super) fn next_2d_of_all(samplers: &mut [Self; LANES]) -> [[f32; LANES]; 2] {
+        let places = std::array::from_fn(|i| samplers[i].place(samplers[i].pairs));
+        let reversed = std::array::from_fn(|i| samplers[i].reversed);
+        let high = std::array::from_fn(|i| samplers[i].high);
+        samplers.iter_mut().for_each(|s| s.pairs += 1);
+        pairs_in_lanes(&places, &reversed, &high)
+    }
+}
+
+/// [`pair_of`] in each lane.
+#[multiversion(targets("x86_64+avx512f+avx512vl+avx512bw+avx512dq", "x86_64+avx2"))]
+fn pairs_in_lanes(
+    places: &[u32; LANES],
+    reversed: &[u32; LANES],
+    high: &[u32; LANES],
+) -> [[f32; LANES]; 2] {
+    let mut pairs = [[0.0; LANES]; 2];
+    for lane in 0..LANES {
+        let [first, second] = pair_of(places[lane], reversed[lane], high[lane]);
+        pairs[0][lane] = in_unit_interval(first.reverse_bits());
+        pairs[1][lane] = in_unit_interval(second.reverse_bits());
+    }
+    pairs
+}
+
+/// The two numbers of a pair as fractions of 32 bits, the first digit lowest, for what sets it apart and where its sample is.
+#[inline(always)]
+fn pair_of(place: u32, reversed: u32, high: u32) -> [u32; 2] {
+    let seed = hash(place);
+    // The first dimension of the sequence is the index with its bits reversed, which is what the scramble works on.
+    let first = scramble(reversed, hash(seed ^ high)).reverse_bits();
+    // Nested scrambles of the digits, after Owen.
+    [
+        scramble(first, seed.wrapping_mul(0x2c1b_3c6d)),
+        scramble(pascal(first), seed.wrapping_mul(0x297a_2d39) ^ 0x5555_5555),
+    ]
+}
+
+/// A fraction of 32 bits as a number in [0, 1).
+#[inline(always)]
+fn in_unit_interval(fraction: u32) -> f32 {
+    (fraction >> 8) as f32 * (1.0 / (1 << 24) as f32)
 }
 
 /// The bits of a number below 65,536, with a zero before each.
@@ -123,6 +171,7 @@ fn spread(x: u32) -> u64 {
 }
 
 /// The second dimension of the Sobol sequence for the first, both with their first bit lowest: the bits are multiplied by Pascal's triangle modulo 2.
+#[inline(always)]
 fn pascal(mut x: u32) -> u32 {
     x ^= x >> 16;
     x ^= (x & 0xff00_ff00) >> 8;
@@ -133,6 +182,7 @@ fn pascal(mut x: u32) -> u32 {
 
 /// Changes each bit of `x` by a function of those below it, the seed and its place: the permutation of Laine and Karras (2011) with the constants that Nathan Vegdahl found in
 /// 2021 ("Building a Better LK Hash"), which mixes better.
+#[inline(always)]
 fn scramble(mut x: u32, seed: u32) -> u32 {
     x ^= x.wrapping_mul(0x3d20_adea);
     x = x.wrapping_add(seed);
@@ -141,17 +191,9 @@ fn scramble(mut x: u32, seed: u32) -> u32 {
     x ^ x.wrapping_mul(0x53a2_2864)
 }
 
-/// Nested scrambles of the digits of two fractions of 32 bits, the first digit lowest, as numbers in [0, 1).
-#[inline(always)]
-fn owen(fractions: [u32; 2], seeds: [u32; 2]) -> [f32; 2] {
-    let [first, second] = [0, 1].map(|i| u64::from(scramble(fractions[i], seeds[i])));
-    // Both are reversed at once.
-    let both = (first << 32 | second).reverse_bits();
-    [both as u32, (both >> 32) as u32].map(|x| (x >> 8) as f32 * (1.0 / (1 << 24) as f32))
-}
-
 /// Mixes 32 bits: the hash `lowbias32` of Chris Wellons' search for such functions (2018), a bijection without fixed
 /// structure in its low bits.
+#[inline(always)]
 fn hash(mut x: u32) -> u32 {
     x = x.wrapping_add(0x9e37_79b9);
     x ^= x >> 16;
@@ -201,6 +243,28 @@ mod tests {
             for ((some, all), counts) in numbers(counts).into_iter().zip(all).zip(counts) {
                 assert_eq!(some.0, if counts { all.0 } else { 0.0 });
                 assert_eq!(some.1, all.1);
+            }
+        }
+    }
+
+    #[test]
+    fn numbers_in_lanes_are_those_of_each() {
+        let mut samplers: [_; LANES] = std::array::from_fn(|i| {
+            let i = i as u32;
+            Sampler::among(
+                i * 4099 % 65_536,
+                60_000 + i,
+                i * i,
+                1 << (i % 17),
+                i.wrapping_mul(0x9e37_79b9),
+            )
+        });
+        for _ in 0..3 {
+            let mut alone = samplers.clone();
+            let all = Sampler::next_2d_of_all(&mut samplers);
+            for (lane, sampler) in alone.iter_mut().enumerate() {
+                assert_eq!(sampler.next_2d(), all.map(|numbers| numbers[lane]));
+                assert_eq!(sampler.pairs, samplers[lane].pairs);
             }
         }
     }

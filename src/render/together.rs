@@ -9,14 +9,14 @@ use super::integrator::{Lit, Sample};
 use super::sampler::Sampler;
 use super::tracer::{RayKind, Tracer};
 use crate::accel::Hit;
-use crate::geometry::Ray;
+use crate::geometry::{LANES, Ray};
 
 /// Edge of the squares of pixels whose rays are traced together.
 pub(super) const BLOCK: u32 = 8;
 
 /// Most samples of a pixel that are traced together. With those of a block they are 1,024 rays, as many as
 /// `benches/record` has measured; they fit into the second cache.
-pub(super) const TOGETHER: u32 = 16;
+pub(super) const TOGETHER: u32 = LANES as u32;
 
 /// The samples of a block of pixels, and room for their rays.
 #[derive(Debug, Default)]
@@ -46,11 +46,8 @@ impl Together {
         self.samples = samples.len();
         for (x, y) in squares(block) {
             self.places.push((x, y));
-            for sample in samples.clone() {
-                let (ray, rest) = pixel.begin(x, y, sample);
-                self.samplers.push(rest);
-                self.rays.push(ray);
-            }
+            let (rays, samplers) = (&mut self.rays, &mut self.samplers);
+            pixel.begin_all((x, y), samples.clone(), rays, samplers);
         }
         let traced = tracer.closest_together(&self.rays, &mut self.hits, RayKind::Eye);
         self.has_hits = traced.is_some();

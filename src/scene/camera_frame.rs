@@ -2,7 +2,10 @@
 //! the picture are in pixels from its top left corner, x to the right and y down.
 
 mod lens;
+mod pinhole;
 mod project;
+
+pub use pinhole::Pinhole;
 
 use std::f64::consts::{FRAC_PI_2, PI};
 

@@ -13,7 +13,7 @@ mod mesh;
 mod texture;
 
 pub use camera::{Camera, Lens, Projection};
-pub use camera_frame::CameraFrame;
+pub use camera_frame::{CameraFrame, Pinhole};
 pub use defect::{Defect, DefectCause, Note};
 pub use environment::Sky;
 pub use instance::Instance;

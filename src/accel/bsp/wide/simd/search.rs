@@ -10,7 +10,7 @@ use super::depth::depth_bounds;
 use super::edges::Candidates;
 use super::kernel::Lanes;
 use super::{Found, Passed};
-use crate::geometry::{Ray, RayFrame, Triangle, rounded};
+use crate::geometry::{Ray, RayFrame, Triangle, is_beside, rounded};
 
 /// One triangle of a block, and its number.
 ///
@@ -199,13 +199,16 @@ impl<'a> Search<'a> {
     #[cold]
     #[inline(never)]
     unsafe fn settle(&mut self, block: *const f32, count: usize, mut doubtful: u32) {
-        let frame = RayFrame::of_traceable(self.ray);
         while doubtful != 0 {
             let lane = doubtful.trailing_zeros() as usize;
             doubtful &= doubtful - 1;
             // SAFETY: the caller's promise.
             let (triangle, number) = unsafe { triangle(block, count, lane) };
-            if let Some(t) = frame.intersect(&triangle) {
+            // Mostly the triangle that the ray leaves.
+            if is_beside(self.ray, &triangle) {
+                continue;
+            }
+            if let Some(t) = RayFrame::of_traceable(self.ray).intersect(&triangle) {
                 self.offer(t, number);
             }
         }

@@ -14,7 +14,7 @@ use super::kernel::Lanes;
 use super::search::triangle;
 use super::table::{GROUP, Table};
 use super::together::{is_by_triangle, vectors};
-use crate::geometry::{Ray, RayFrame, rounded};
+use crate::geometry::{Ray, RayFrame, is_beside, rounded};
 
 /// A triangle that is certainly met.
 #[derive(Clone, Copy)]
@@ -238,6 +238,9 @@ impl<'a, L: Lanes> Searches<'a, L> {
         // SAFETY: the caller's promise.
         unsafe {
             let (triangle, number) = triangle(pending.block, pending.count(), pending.lane());
+            if is_beside(ray, &triangle) {
+                return;
+            }
             if let Some(t) = RayFrame::of_traceable(ray).intersect(&triangle) {
                 self.offer_exact(place, t, number);
             }

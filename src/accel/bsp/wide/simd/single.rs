@@ -6,7 +6,7 @@ use super::search::{Search, triangle};
 use super::stack::{Promising, Stack};
 use super::{Found, Occluded, Passed, Tree};
 use crate::accel::counters::Counter;
-use crate::geometry::{Ray, RayFrame};
+use crate::geometry::{Ray, RayFrame, is_beside};
 
 /// The nearest hit, the least number first among equals.
 ///
@@ -129,13 +129,16 @@ pub(super) unsafe fn meets_any(
     count: usize,
     mut candidates: u32,
 ) -> bool {
-    let frame = RayFrame::of_traceable(ray);
     while candidates != 0 {
         let lane = candidates.trailing_zeros() as usize;
         candidates &= candidates - 1;
         // SAFETY: the caller's promise.
         let (triangle, _) = unsafe { triangle(block, count, lane) };
-        if frame.intersect(&triangle).is_some() {
+        // Mostly the triangle that the ray leaves.
+        if is_beside(ray, &triangle) {
+            continue;
+        }
+        if RayFrame::of_traceable(ray).intersect(&triangle).is_some() {
             return true;
         }
     }
