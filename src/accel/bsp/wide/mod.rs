@@ -19,10 +19,13 @@ mod plane;
 mod simd;
 mod store;
 mod top;
+mod treelet;
 mod walk;
 
 pub(super) use simd::Instructions;
 pub(in crate::accel) use top::WideTop;
+
+use std::sync::{Arc, Weak};
 
 use glam::{Vec3, Vec4};
 
@@ -34,19 +37,21 @@ use crate::accel::hit::{Hit, Nearest};
 use crate::accel::names::Names;
 use crate::geometry::{Ray, RayFrame};
 use axes::Axes;
-use build::{Builder, Plan};
-use node::Word;
+use build::Plan;
+use fragment::Fragment;
 use plane::Costs;
-use simd::{Found, MOST_DEPTH, Occluded, Tree};
-use store::{Draft, Store};
+use simd::{Found, Occluded, Tree};
+use treelet::{Branch, Part, Source};
 use walk::Reach;
+
+pub(in crate::accel) use treelet::Growth;
 
 /// A set of triangles under a wide BSP.
 pub(in crate::accel) struct WideSet {
-    store: Store,
-    root: Word,
+    tree: Branch,
+    /// What is left to build its treelets from, while there are any that no ray has reached.
+    source: Weak<Source>,
     reach: Reach,
-    depth: u32,
     instructions: Instructions,
     names: Names,
 }
@@ -80,7 +85,7 @@ fn plan(quality: BspQuality) -> Plan {
 
 impl WideSet {
     fn tree(&self) -> Tree<'_> {
-        Tree::new(&self.store, self.root, &self.reach)
+        Tree::new(&self.tree.store, self.tree.root, &self.reach)
     }
 
     #[inline(always)]
@@ -99,6 +104,25 @@ impl WideSet {
         Some((ray.interval.min, self.names.up_to(name, instance)))
     }
 
+    /// How many triangles are in cells that wait, and in no leaf yet.
+    fn unbuilt(&self) -> u64 {
+        let count = self.names.count() as usize;
+        let (mut is_built, mut is_waiting) = (vec![false; count], vec![false; count]);
+        self.tree.each_part(&mut |part| match part {
+            Part::Built(store) => {
+                let numbers = store.all_triangles().map(|(number, _)| number);
+                numbers.for_each(|number| is_built[number as usize] = true);
+            }
+            Part::Waiting(fragments, _) => {
+                let numbers = fragments.iter().map(Fragment::triangle);
+                numbers.for_each(|number| is_waiting[number as usize] = true);
+            }
+        });
+        let both = is_waiting.iter().zip(&is_built);
+        both.filter(|(waiting, built)| **waiting && !**built)
+            .count() as u64
+    }
+
     /// For rays that the walk is not for.
     #[cold]
     fn test_everything<C: Counter>(
@@ -109,15 +133,21 @@ impl WideSet {
         counter: &mut C,
     ) {
         let frame = RayFrame::new(ray);
-        for (number, triangle) in self.store.all_triangles() {
+        self.tree.each_triangle(&mut |number, triangle| {
             counter.primitives(1);
-            if let Some(t) = frame.intersect(&triangle) {
+            if let Some(t) = frame.intersect(triangle) {
                 self.names.offer(t, number, instance, nearest);
             }
-        }
+        });
     }
 
-    pub(in crate::accel) fn build(triangles: TriangleSet, options: &BuildOptions) -> Self {
+    /// With `drops_copies`, of triangles in the same place only the one of the least number is there.
+    pub(in crate::accel) fn build(
+        triangles: TriangleSet,
+        options: &BuildOptions,
+        growth: Growth,
+        drops_copies: bool,
+    ) -> Self {
         let axes = match options.axes {
             BspAxes::Auto => Axes::of_dominant_normals(triangles.iter().map(|t| &t.triangle)),
             BspAxes::Space => None,
@@ -125,36 +155,38 @@ impl WideSet {
         let instructions = Instructions::chosen(options.instructions);
         Self {
             instructions: instructions.unwrap_or_else(Instructions::best),
-            ..Self::build_along(axes, &triangles, options.quality)
+            ..Self::build_along(axes, triangles, options.quality, growth, drops_copies)
         }
     }
 
     /// Along axes of its own, or those of space.
-    fn build_along(axes: Option<Axes>, triangles: &TriangleSet, quality: BspQuality) -> Self {
-        let in_tree = |p: Vec3| axes.as_ref().map_or(p, |axes| axes.corner(p)).extend(0.0);
-        let corners: Vec<[Vec4; 3]> = triangles
-            .iter()
-            .map(|t| t.triangle.corners().map(in_tree))
-            .collect();
-        let reach = Reach::of(triangles.iter().map(|t| &t.triangle), &corners, axes);
-        let builder = Builder {
-            corners: &corners,
+    fn build_along(
+        axes: Option<Axes>,
+        triangles: TriangleSet,
+        quality: BspQuality,
+        growth: Growth,
+        drops_copies: bool,
+    ) -> Self {
+        let turned: Option<Vec<[Vec4; 3]>> = axes.as_ref().map(|axes| {
+            let corner = |p: Vec3| axes.corner(p).extend(0.0);
+            let corners = triangles.iter().map(|t| t.triangle.corners().map(corner));
+            corners.collect()
+        });
+        let in_tree = turned.as_deref().unwrap_or_default();
+        let reach = Reach::of(triangles.iter().map(|t| &t.triangle), in_tree, axes);
+        let names = Names::of(&triangles);
+        let source = Arc::new(Source {
+            triangles,
+            turned,
             plan: plan(quality),
-        };
-        let tree = builder.build();
-        let leaf = |members: &[u32], draft: &mut Draft| {
-            draft.push_leaf(members, |n| triangles[n as usize].triangle)
-        };
-        let mut draft = Draft::default();
-        let (root, depth) = collapse::write(&tree, &leaf, &mut draft);
-        assert!(depth <= MOST_DEPTH, "the build bounds the depth");
+            drops_copies,
+        });
         Self {
-            store: draft.finish(),
-            root,
+            tree: Branch::new(&source, growth),
+            source: Arc::downgrade(&source),
             reach,
-            depth,
             instructions: Instructions::best(),
-            names: Names::of(triangles),
+            names,
         }
     }
 }
@@ -229,11 +261,25 @@ impl TraceSet for WideSet {
     }
 
     fn stats(&self) -> BuildStats {
+        let count = self.names.count();
+        let (mut nodes, mut bytes, mut is_waiting) = (0, self.names.bytes(), false);
+        self.tree.each_part(&mut |part| match part {
+            Part::Built(store) => {
+                nodes += store.nodes.len() + store.leaves.len();
+                bytes += store.bytes();
+            }
+            Part::Waiting(fragments, _) => {
+                bytes += size_of_val(fragments);
+                is_waiting = true;
+            }
+        });
+        bytes += self.source.upgrade().map_or(0, |source| source.bytes());
         BuildStats {
-            triangles: u64::from(self.names.count()),
-            nodes: (self.store.nodes.len() + self.store.leaves.len()) as u64,
-            depth: self.depth,
-            bytes: (self.store.bytes() + self.names.bytes()) as u64,
+            triangles: u64::from(count),
+            unbuilt_triangles: if is_waiting { self.unbuilt() } else { 0 },
+            nodes: nodes as u64,
+            depth: self.tree.depth(),
+            bytes: bytes as u64,
             ..BuildStats::default()
         }
     }
@@ -305,7 +351,12 @@ mod tests {
     }
 
     pub(super) fn set_along(axes: Option<Axes>, quality: BspQuality) -> WideSet {
-        WideSet::build_along(axes, &bake::bake(&scene()).sets[0], quality)
+        set_grown(axes, quality, Growth::Whole)
+    }
+
+    pub(super) fn set_grown(axes: Option<Axes>, quality: BspQuality, growth: Growth) -> WideSet {
+        let set = bake::bake(&scene()).sets.remove(0);
+        WideSet::build_along(axes, set, quality, growth, false)
     }
 
     /// Axes unlike those of space.
@@ -340,9 +391,16 @@ mod tests {
     #[test]
     fn every_set_of_instructions_gives_the_answer_of_testing_everything() {
         let rays = rays();
-        let along = |axes| BspQuality::ALL.map(|quality| (axes, quality));
-        for (axes, quality) in [None, Some(turned())].into_iter().flat_map(along) {
-            let mut tree = set_along(axes, quality);
+        let along = |axes| BspQuality::ALL.map(|quality| (axes, quality, Growth::Whole));
+        let whole = [None, Some(turned())].into_iter().flat_map(along);
+        let reached = [
+            (None, BspQuality::Default, Growth::Reached),
+            (Some(turned()), BspQuality::Fast, Growth::ReachedAlone),
+        ];
+        for (axes, quality, growth) in whole.chain(reached) {
+            let mut tree = set_grown(axes, quality, growth);
+            let before = tree.stats();
+            assert_eq!(before.unbuilt_triangles > 0, growth != Growth::Whole);
             let mut hits = 0;
             for ray in &rays {
                 let mut nearest = Nearest::of(ray);
@@ -364,7 +422,30 @@ mod tests {
                 }
             }
             assert!(hits > rays.len() / 3, "{hits} hits");
+            let after = tree.stats();
+            assert!(after.unbuilt_triangles < before.triangles / 10);
+            assert_eq!(after.triangles, before.triangles);
         }
+    }
+
+    #[test]
+    fn only_cells_that_rays_reach_are_built() {
+        let tree = set_grown(None, BspQuality::Default, Growth::Reached);
+        let before = tree.stats();
+        // Nothing lies beside.
+        let beside = Ray::new(Vec3::new(9.0, 9.0, 9.0), Vec3::X);
+        assert_eq!(tree.closest_alone(&beside, &mut Uncounted), None);
+        assert_eq!(tree.stats(), before);
+        let corner = Ray::new(Vec3::splat(-3.0), Vec3::new(1.0, 1.01, 0.99))
+            .within(crate::geometry::Interval::new(0.0, 2.1));
+        tree.any_alone(&corner, &mut Uncounted);
+        let after = tree.stats();
+        let built = before.unbuilt_triangles - after.unbuilt_triangles;
+        assert!(
+            0 < built && built < before.unbuilt_triangles / 2,
+            "{before:?} {after:?}"
+        );
+        assert!(after.nodes > before.nodes && after.depth >= before.depth);
     }
 
     #[test]
@@ -377,17 +458,47 @@ mod tests {
             pool.install(|| set(BspQuality::Default))
         };
         let (one, four) = (build(1), build(4));
-        assert_eq!(*one.store.words, *four.store.words);
-        assert_eq!(one.store.nodes.len(), four.store.nodes.len());
-        for (a, b) in one.store.nodes.iter().zip(&*four.store.nodes) {
+        let (one, four) = (&one.tree.store, &four.tree.store);
+        assert_eq!(*one.words, *four.words);
+        assert_eq!(one.nodes.len(), four.nodes.len());
+        for (a, b) in one.nodes.iter().zip(&*four.nodes) {
             assert_eq!((a.bounds, a.children), (b.bounds, b.children));
+        }
+    }
+
+    #[test]
+    fn copies_of_triangles_are_dropped_where_nobody_misses_them() {
+        let mut scene = scene();
+        let mesh = &mut scene.meshes[0];
+        let count = mesh.triangles.len();
+        // Again in another order of corners, and the first of all thrice.
+        let again = |&[a, b, c]: &[u32; 3]| [b, c, a];
+        let copies: Vec<_> = mesh.triangles.iter().map(again).collect();
+        mesh.triangles.extend(copies);
+        mesh.triangles.push([2, 1, 0]);
+        mesh.parts[0].triangle_count = mesh.triangles.len() as u32;
+        let build = |drops_copies| {
+            let set = bake::bake(&scene).sets.remove(0);
+            WideSet::build_along(None, set, BspQuality::Fast, Growth::Whole, drops_copies)
+        };
+        let (all, once) = (build(false), build(true));
+        let members = |set: &WideSet| set.tree.store.all_triangles().map(|(n, _)| n).collect();
+        let (of_all, of_once): (Vec<u32>, Vec<u32>) = (members(&all), members(&once));
+        assert_eq!(of_all.len(), 2 * count + 1);
+        // Where a cell of copies was halved by number, some are left.
+        assert!(of_once.len() <= count + count / 100, "{}", of_once.len());
+        assert!((0..count as u32).all(|n| of_once.contains(&n)));
+        assert!(once.stats().bytes < all.stats().bytes * 2 / 3);
+        for ray in rays() {
+            let closest = |set: &WideSet| set.closest_alone(&ray, &mut Uncounted);
+            assert_eq!(closest(&once), closest(&all), "{ray:?}");
         }
     }
 
     #[test]
     fn fragments_stay_within_their_allowance() {
         let triangles = set(BspQuality::Fast).names.count() as usize;
-        let members = |quality| set(quality).store.all_triangles().count();
+        let members = |quality| set(quality).tree.store.all_triangles().count();
         assert_eq!(members(BspQuality::Fast), triangles);
         let default = members(BspQuality::Default);
         assert!(triangles < default && default <= 2 * triangles, "{default}");
