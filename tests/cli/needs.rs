@@ -162,6 +162,8 @@ fn images_that_a_picture_cannot_show_are_not_read() {
             "{integrator}: {decoded} of {all}"
         );
     }
+    // What is read, and levels that are built when they are wanted, are what they would be.
+    assert!(render("path", &[]).2 == render("path", &["--exhaustive"]).2);
     let (decoded, _, _) = render("albedo", &[]);
     assert_eq!(decoded, render("albedo", &["--exhaustive"]).0);
     // Layers show colours.

@@ -10,11 +10,9 @@ use glam::Vec4;
 
 use super::collapse::Roots;
 use super::fragment::{Extent, Fragment};
+use super::members::{LEAF_SIZE, Members};
 use super::plane::{self, Choice, Costs, Crossing, MOST_BINS};
 use crate::accel::bake::NamedTriangle;
-
-/// Triangles in a leaf, at most.
-pub(super) const LEAF_SIZE: usize = super::node::MOST_BLOCKS * super::node::WIDTH;
 
 /// Up to how many fragments so many bins an axis are enough: more take a tenth of the build and change no ray's time.
 const FEW: [(usize, usize); 2] = [(8, 4), (16, 8)];
@@ -85,62 +83,6 @@ pub(super) struct Rest {
     pub(super) allowance: usize,
     /// Levels of division by planes above it.
     pub(super) level: u32,
-}
-
-/// Up to [`LEAF_SIZE`] triangles, in order; or too many.
-#[derive(Clone, Copy)]
-pub(super) struct Members {
-    triangles: [u32; LEAF_SIZE],
-    count: u8,
-}
-
-impl Members {
-    const TOO_MANY: u8 = u8::MAX;
-
-    /// Those of a cell that no leaf can hold.
-    const UNLISTED: Self = Self {
-        triangles: [0; LEAF_SIZE],
-        count: Self::TOO_MANY,
-    };
-
-    fn of(fragments: &[Fragment]) -> Self {
-        let mut all = Self {
-            triangles: [0; LEAF_SIZE],
-            count: 0,
-        };
-        fragments.iter().for_each(|f| all.insert(f.triangle()));
-        all
-    }
-
-    fn insert(&mut self, triangle: u32) {
-        let count = usize::from(self.count);
-        if self.count == Self::TOO_MANY {
-            return;
-        }
-        match self.triangles[..count].binary_search(&triangle) {
-            Ok(_) => {}
-            Err(_) if count == LEAF_SIZE => self.count = Self::TOO_MANY,
-            Err(at) => {
-                self.triangles.copy_within(at..count, at + 1);
-                self.triangles[at] = triangle;
-                self.count += 1;
-            }
-        }
-    }
-
-    fn union(a: &Self, b: &Self) -> Self {
-        let mut all = *a;
-        match b.get() {
-            Some(triangles) => triangles.iter().for_each(|&t| all.insert(t)),
-            None => all.count = Self::TOO_MANY,
-        }
-        all
-    }
-
-    /// The triangles, unless there are too many.
-    pub(super) fn get(&self) -> Option<&[u32]> {
-        self.triangles.get(..usize::from(self.count))
-    }
 }
 
 /// The triangles that fragments are parts of, in the tree's space.

@@ -3,8 +3,9 @@
 //! After Ylitie, Karras, Laine, "Efficient Incoherent Ray Traversal on GPUs Through Compressed Wide BVHs", 2017: for each cell, the
 //! least cost of having it as one root, as two, up to eight. One root is a leaf, if its triangles fill four blocks at most, or a node.
 
-use super::build::{Cell, Content, Members, Rest};
+use super::build::{Cell, Content, Rest};
 use super::fragment::Extent;
+use super::members::Members;
 use super::node::{Node, WIDTH, Word};
 use super::plane::Costs;
 use super::store::Draft;

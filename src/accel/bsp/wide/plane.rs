@@ -8,6 +8,7 @@
 use glam::{IVec4, Vec4};
 
 use super::fragment::{Extent, Fragment};
+use super::sample::Sample;
 
 /// How much dearer a split may seem than keeping fragments whole. Halves of a split do not overlap, which the cost does not see: with 1.05
 /// instead of 1 a fifth more memory, and Sponza (from inside) 7 % faster; with 1.1 half as much again, and nothing is faster.
@@ -122,45 +123,6 @@ impl MapFinite for Vec4 {
     }
 }
 
-/// Fragments up to which all are looked at to choose a plane; of more, about so many. A landscape of 10,000,000 triangles is built in FIGURE of the time.
-const SAMPLE: usize = 1 << 14;
-
-/// Of many fragments one of every so many, else all.
-#[derive(Clone, Copy)]
-struct Sample<'a> {
-    fragments: &'a [Fragment],
-    every: usize,
-}
-
-impl<'a> Sample<'a> {
-    fn of(fragments: &'a [Fragment]) -> Self {
-        Self {
-            fragments,
-            every: (fragments.len() / SAMPLE).max(1),
-        }
-    }
-
-    fn count(&self) -> u32 {
-        self.fragments.chunks(self.every).len() as u32
-    }
-
-    /// One of each run, at a place that looks random (Knuth's multiplicative hash of the run's number): files have rows, of which equal steps might meet one
-    /// column only.
-    fn iter(&self) -> impl Iterator<Item = &'a Fragment> {
-        let runs = self.fragments.chunks(self.every).zip(0_u32..);
-        runs.map(|(run, number)| &run[(number.wrapping_mul(2_654_435_769) >> 8) as usize % run.len()])
-    }
-
-    /// A choice among these as one among all.
-    fn scaled(&self, choice: Choice) -> Choice {
-        let every = self.every as u32;
-        Choice {
-            sides: choice.sides.map(|(extent, count)| (extent, count * every)),
-            ..choice
-        }
-    }
-}
-
 /// The cheapest plane for these fragments, if there is any that divides them. `middles` bounds twice their middles.
 pub(super) fn choose(
     fragments: &[Fragment],
@@ -172,10 +134,15 @@ pub(super) fn choose(
 ) -> Option<Choice> {
     let sample = Sample::of(fragments);
     let choice = choose_among(&sample, extent, middles, costs, bins, may_split);
-    choice.map(|choice| sample.scaled(choice))
+    // Counts as among all.
+    let every = sample.every() as u32;
+    choice.map(|choice| Choice {
+        sides: choice.sides.map(|(extent, count)| (extent, count * every)),
+        ..choice
+    })
 }
 
-fn choose_among(
+pub(super) fn choose_among(
     fragments: &Sample<'_>,
     extent: &Extent,
     middles: &Extent,
@@ -220,7 +187,7 @@ fn best_kept(
 ) -> Option<Choice> {
     let grid = Grid::new(middles, bins);
     let mut table = [[NO_BIN; MOST_BINS]; 3];
-    for fragment in fragments.iter() {
+    fragments.for_each(|fragment| {
         let bin = grid.bin(fragment.middle());
         let extent = fragment.extent();
         for axis in 0..3 {
@@ -229,7 +196,7 @@ fn best_kept(
             bin.begins += 1;
             bin.ends += 1;
         }
-    }
+    });
     sweep(
         &table,
         &grid,
@@ -250,7 +217,7 @@ fn best_split(
 ) -> Option<Choice> {
     let grid = Grid::new(extent, bins);
     let mut table = [[NO_BIN; MOST_BINS]; 3];
-    for fragment in fragments.iter() {
+    fragments.for_each(|fragment| {
         let whole = fragment.extent();
         let (first, last) = (grid.bin(whole.min), grid.bin(whole.max));
         for axis in 0..3 {
@@ -269,7 +236,7 @@ fn best_split(
                 cell.extent.grow(&part);
             }
         }
-    }
+    });
     sweep(
         &table,
         &grid,

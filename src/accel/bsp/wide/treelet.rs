@@ -11,9 +11,10 @@ use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
 use glam::Vec4;
 
-use super::build::{Builder, Corners, LEAF_SIZE, Plan, Rest};
+use super::build::{Builder, Corners, Plan, Rest};
 use super::collapse::{self, Ends};
 use super::fragment::Fragment;
+use super::members::LEAF_SIZE;
 use super::node::Word;
 use super::simd::{MOST_DEPTH, MOST_NESTED};
 use super::store::{Draft, Store};
