@@ -275,7 +275,8 @@ impl Builder<'_> {
         let Choice { axis, position, .. } = *choice;
         let [mut below, mut above] = choice
             .sides
-            .map(|(_, count)| Vec::with_capacity(count as usize));
+            // A sample's count may be a little less than is there.
+            .map(|(_, count)| Vec::with_capacity((count + count / 32) as usize));
         match choice.crossing {
             Crossing::Keep => {
                 for fragment in fragments {
