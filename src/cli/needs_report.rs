@@ -24,7 +24,7 @@ pub(super) fn value(needs: &Needs) -> Value {
 pub(super) fn table(needs: &Needs) -> String {
     let mut out = format!(
         "{:<24}{:>14}{:>14}{:>8}\n",
-        "", "in the scene", "used", "share"
+        "needs", "in the scene", "used", "share"
     );
     for (name, share) in needs.rows() {
         let _ = writeln!(
