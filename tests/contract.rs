@@ -3,11 +3,14 @@
 #[path = "support/random.rs"]
 mod random;
 
-use bspray::accel::{Accelerator, AcceleratorKind, Hit, TestSpaces, TraceCounters};
+use bspray::accel::{
+    Accelerator, AcceleratorKind, BuildOptions, BuildTime, Hit, TestSpaces, TraceCounters,
+};
 use bspray::geometry::{Interval, Ray, exact};
 use bspray::scene::{Instance, Part, Scene, TriangleMesh};
 use glam::{DAffine3, DMat3, DQuat, DVec3, Vec3};
 use random::Random;
+use rayon::prelude::*;
 
 fn mesh(positions: Vec<Vec3>, triangles: Vec<[u32; 3]>) -> TriangleMesh {
     let triangle_count = triangles.len() as u32;
@@ -196,13 +199,12 @@ struct Judged {
 fn check(name: &str, scene: &Scene, rays: &[Ray]) -> Judged {
     let linear = AcceleratorKind::Linear.build(scene);
     let truth: Vec<Option<Hit>> = rays.iter().map(|r| linear.closest_hit(r)).collect();
-    for kind in AcceleratorKind::ALL {
-        let accelerator = kind.build(scene);
+    for (kind, accelerator) in all(scene) {
         for (ray, want) in rays.iter().zip(&truth) {
             one_ray(&*accelerator, ray, *want, &format!("{name}, {kind}"));
         }
         many_rays(&*accelerator, rays, &truth, &format!("{name}, {kind}"));
-        if kind == AcceleratorKind::Linear {
+        if kind == "linear" {
             continue;
         }
         // Groups of rays that go the same way, and what remains of one.
@@ -219,6 +221,30 @@ fn check(name: &str, scene: &Scene, rays: &[Ray]) -> Judged {
     Judged {
         hits: truth.iter().flatten().count(),
     }
+}
+
+/// What waits for rays to build what they reach.
+fn waiting() -> BuildOptions {
+    BuildOptions {
+        time: BuildTime::Reached,
+        ..BuildOptions::default()
+    }
+}
+
+/// The kinds that can.
+const LAZY: [AcceleratorKind; 3] = [
+    AcceleratorKind::Bsp,
+    AcceleratorKind::Bvh2,
+    AcceleratorKind::Cwbvh,
+];
+
+/// Every kind, built at once, and built as rays come where that makes a difference.
+fn all(scene: &Scene) -> impl Iterator<Item = (String, Box<dyn Accelerator>)> + '_ {
+    let whole = AcceleratorKind::ALL.into_iter();
+    let whole = whole.map(|kind| (kind.to_string(), kind.build(scene)));
+    let lazy = LAZY.into_iter();
+    let lazy = lazy.map(|kind| (format!("lazy {kind}"), kind.build_with(scene, &waiting())));
+    whole.chain(lazy)
 }
 
 fn many_rays(accelerator: &dyn Accelerator, rays: &[Ray], want: &[Option<Hit>], context: &str) {
@@ -340,8 +366,8 @@ fn thousands_of_coincident_triangles() {
     triangles.push([0, 1, 3]);
     let scene = lone(mesh(positions, triangles), 1.0, 0.0);
     let ray = Ray::new(Vec3::new(0.2, 0.2, 3.0), Vec3::NEG_Z);
-    for kind in AcceleratorKind::ALL {
-        let hit = kind.build(&scene).closest_hit(&ray);
+    for (kind, accelerator) in all(&scene) {
+        let hit = accelerator.closest_hit(&ray);
         assert_eq!(
             hit,
             Some(Hit {
@@ -426,8 +452,7 @@ fn a_ray_continues_behind_a_hit_in_the_order_of_names() {
         1.0,
         0.0,
     );
-    for kind in AcceleratorKind::ALL {
-        let accelerator = kind.build(&scene);
+    for (kind, accelerator) in all(&scene) {
         let mut ray = Ray::new(Vec3::new(0.2, 0.3, 1.0), Vec3::NEG_Z);
         let mut met = Vec::new();
         while let Some(hit) = accelerator.closest_hit(&ray) {
@@ -454,8 +479,7 @@ fn nothing_is_hit_in_an_empty_scene_or_by_a_broken_ray() {
         Ray::new(Vec3::ZERO, Vec3::X).within(Interval::new(nan, nan)),
         Ray::new(Vec3::ZERO, Vec3::X).within(Interval::new(5.0, 4.0)),
     ];
-    for kind in AcceleratorKind::ALL {
-        let (empty, ball) = (kind.build(&empty), kind.build(&ball));
+    for ((_, empty), (_, ball)) in all(&empty).zip(all(&ball)) {
         assert!(ball.closest_hit(&Ray::new(Vec3::ZERO, Vec3::X)).is_some());
         one_ray(&*empty, &Ray::new(Vec3::ZERO, Vec3::X), None, "empty");
         for ray in &broken {
@@ -497,4 +521,122 @@ fn linear_is_what_exact_arithmetic_says() {
         assert_eq!(linear.closest_hit(&ray), best, "{ray:?}");
     }
     assert!(hits > 60, "{hits}");
+}
+
+/// A ball with a hundred times the triangles that a tree's parts have, a shared one beside it four times, and rays from all sides.
+fn race() -> (Scene, Vec<Ray>) {
+    let (many, shared) = (ball(390, 400), ball(50, 60));
+    let aside = |x| place(1, DMat3::IDENTITY, DVec3::new(x, 0.0, 0.0));
+    let scene = Scene {
+        meshes: vec![many, shared],
+        instances: vec![
+            place(0, DMat3::IDENTITY, DVec3::ZERO),
+            aside(2.5),
+            aside(-2.5),
+            aside(5.0),
+            aside(-5.0),
+        ],
+        ..Scene::default()
+    };
+    let mut random = Random::new(8, 0);
+    let rays = (0..4096).map(|_| {
+        let from = 8.0 * random.vector();
+        Ray::new(from, 3.0 * random.vector() - from)
+    });
+    let rays = rays.collect();
+    (scene, rays)
+}
+
+#[test]
+fn threads_that_race_for_what_is_not_built_get_the_same_answers() {
+    let (scene, rays) = race();
+    let eager = AcceleratorKind::Bsp.build(&scene);
+    let truth: Vec<Option<Hit>> = rays.iter().map(|r| eager.closest_hit(r)).collect();
+    assert!(truth.iter().flatten().count() > 1000);
+    // By threads of their own, and by workers of a pool, which take up each other's work while they wait.
+    let pool = rayon::ThreadPoolBuilder::new()
+        .num_threads(4)
+        .build()
+        .unwrap();
+    for kind in LAZY {
+        for turn in 0..4 {
+            let accelerator = kind.build_with(&scene, &waiting());
+            let before = accelerator.build_stats();
+            assert!(before.unbuilt_triangles > 0, "{kind}");
+            let task = |thread: usize| {
+                let context = format!("lazy {kind}, thread {thread}");
+                // All begin with the same rays, then go their own ways.
+                let (same, own) = rays.split_at(64);
+                let starts = (own.len() * thread / 8, truth.len());
+                let (rays, truth) = (
+                    [same, &own[starts.0..], &own[..starts.0]].concat(),
+                    [
+                        &truth[..64],
+                        &truth[64 + starts.0..],
+                        &truth[64..64 + starts.0],
+                    ]
+                    .concat(),
+                );
+                match turn % 2 {
+                    0 => many_rays(&*accelerator, &rays, &truth, &context),
+                    _ => {
+                        for (ray, want) in rays.iter().zip(&truth).take(1500) {
+                            one_ray(&*accelerator, ray, *want, &context);
+                        }
+                    }
+                }
+            };
+            if turn < 2 {
+                std::thread::scope(|scope| {
+                    for thread in 0..8 {
+                        scope.spawn(move || task(thread));
+                    }
+                });
+            } else {
+                pool.install(|| (0..8).into_par_iter().for_each(task));
+            }
+            let after = accelerator.build_stats();
+            assert!(after.unbuilt_triangles < before.unbuilt_triangles, "{kind}");
+            assert_eq!(after.triangles, eager.build_stats().triangles);
+        }
+    }
+}
+
+#[test]
+fn what_is_built_does_not_depend_on_who_comes_first() {
+    let (scene, rays) = race();
+    let build = |threads| {
+        let pool = rayon::ThreadPoolBuilder::new()
+            .num_threads(threads)
+            .build()
+            .unwrap();
+        let accelerator = AcceleratorKind::Bsp.build_with(&scene, &waiting());
+        pool.install(|| {
+            rays.par_iter().for_each(|ray| {
+                accelerator.closest_hit(ray);
+            })
+        });
+        let mut counters = TraceCounters::default();
+        for ray in &rays {
+            accelerator.closest_hit_counted(ray, &mut counters);
+        }
+        (accelerator.build_stats(), counters)
+    };
+    assert_eq!(build(1), build(4));
+}
+
+#[test]
+fn meshes_that_no_ray_enters_are_not_built() {
+    let (scene, _) = race();
+    let left = Ray::new(Vec3::new(-9.0, 0.1, 0.1), Vec3::Y);
+    let right = Ray::new(Vec3::new(2.6, 0.1, 3.0), Vec3::NEG_Z);
+    for kind in LAZY {
+        let accelerator = kind.build_with(&scene, &waiting());
+        let unbuilt = || accelerator.build_stats().unbuilt_triangles;
+        let before = unbuilt();
+        assert!(!accelerator.any_hit(&left) && before >= 6000);
+        assert_eq!(unbuilt(), before, "{kind}");
+        assert!(accelerator.any_hit(&right));
+        assert!(unbuilt() < before, "{kind}");
+    }
 }

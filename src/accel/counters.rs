@@ -89,6 +89,9 @@ impl Counter for Uncounted {
 pub struct BuildStats {
     /// Triangles in the structure; a mesh that several instances share counts once.
     pub triangles: u64,
+    /// Those of them that are in no leaf yet, since no ray has come near: see
+    /// [`BuildTime`](super::BuildTime).
+    pub unbuilt_triangles: u64,
     /// Placed sets of triangles above the meshes.
     pub placements: u64,
     /// Inner nodes and leaves of all trees.
@@ -99,10 +102,18 @@ pub struct BuildStats {
     pub bytes: u64,
 }
 
+impl BuildStats {
+    /// Share of the triangles that are in leaves; 1 of none.
+    pub fn built_share(&self) -> f64 {
+        1.0 - self.unbuilt_triangles as f64 / self.triangles.max(1) as f64
+    }
+}
+
 impl AddAssign for BuildStats {
     /// Sums sizes; of depths the greater counts.
     fn add_assign(&mut self, other: Self) {
         self.triangles += other.triangles;
+        self.unbuilt_triangles += other.unbuilt_triangles;
         self.placements += other.placements;
         self.nodes += other.nodes;
         self.depth = self.depth.max(other.depth);

@@ -24,20 +24,22 @@ mod embree;
 pub mod extents;
 mod hit;
 mod instances;
+mod lazy;
 mod linear;
 mod names;
 mod normalized;
 mod placement;
 
 pub use bake::TestSpaces;
-pub use bsp::{BspAxes, BspInstructions, BspOrder, BspQuality, BuildOptions};
+pub use bsp::{BspAxes, BspInstructions, BspOrder, BspQuality, BuildOptions, BuildTime};
 pub use bvh_as_shipped::{AsShipped, FormulaCheck, ShippedTree, formula_checks, world_triangles};
 pub use counters::{BuildStats, TraceCounters};
 pub use domain::{Domain, Outside};
 pub use embree::{Embree, EmbreeError, EmbreeMode, EmbreeScene};
 pub use hit::Hit;
 
-use bake::Placement;
+use bake::{Baked, Placement};
+use bsp::wide::{Growth, WideSet, WideTop};
 use bvh::BvhKind;
 use bvh_sets::{BvhSet, BvhTop};
 use counters::{Counter, Uncounted};
@@ -280,21 +282,10 @@ impl AcceleratorKind {
         options: &BuildOptions,
     ) -> Box<dyn Accelerator> {
         let baked = bake::bake(scene);
-        let bvh = |baked, kind| {
-            Instances::build(
-                baked,
-                |set| BvhSet::<T>::build(set, kind),
-                |placements| BvhTop::build(placements, kind),
-            )
-        };
         let every = |placements: &[Placement]| EveryPlacement(placements.len() as u32);
         match self {
             Self::Linear => Box::new(Instances::build(baked, LinearSet::<T>::new, every)),
-            Self::Bsp => Box::new(Instances::build(
-                baked,
-                |set| bsp::wide::WideSet::build(set, options),
-                bsp::wide::WideTop::build,
-            )),
+            Self::Bsp => wide(baked, options),
             Self::BspPolygon => {
                 let mut outlines = bsp::polygon::outlines(scene, &baked).into_iter();
                 let set = |set| {
@@ -303,11 +294,33 @@ impl AcceleratorKind {
                 };
                 Box::new(Instances::build(baked, set, every))
             }
-            Self::Bvh2 => Box::new(bvh(baked, BvhKind::Binary)),
-            Self::Cwbvh => Box::new(bvh(baked, BvhKind::Wide)),
+            Self::Bvh2 => bvh::<T>(baked, options, BvhKind::Binary),
+            Self::Cwbvh => bvh::<T>(baked, options, BvhKind::Wide),
             Self::Extents => Box::new(extents::ExtentsLoop::of(scene, baked, options)),
         }
     }
+}
+
+fn wide(baked: Baked, options: &BuildOptions) -> Box<dyn Accelerator> {
+    let (options, drops_copies) = (*options, baked.drops_copies);
+    let build = move |set, growth| WideSet::build(set, &options, growth, drops_copies);
+    let top = WideTop::build;
+    if options.time == BuildTime::Ahead {
+        let whole = |set| build(set, Growth::Whole);
+        return Box::new(Instances::build(baked, whole, top));
+    }
+    let later = move |set| build(set, Growth::ReachedAlone);
+    let world = |set| build(set, Growth::Reached);
+    Box::new(lazy::instances(baked, world, later, top))
+}
+
+fn bvh<T: TestedRay>(baked: Baked, options: &BuildOptions, kind: BvhKind) -> Box<dyn Accelerator> {
+    let set = move |set| BvhSet::<T>::build(set, kind);
+    let top = |placements: &[Placement]| BvhTop::build(placements, kind);
+    if options.time == BuildTime::Ahead {
+        return Box::new(Instances::build(baked, set, top));
+    }
+    Box::new(lazy::instances(baked, set, set, top))
 }
 
 impl std::fmt::Display for AcceleratorKind {

@@ -1,7 +1,7 @@
 //! Arguments for how a BSP is built, and the report on the polygon tree in all its orders.
 
 use bspray::accel::bsp::polygon::{SceneTrees, TreeStats};
-use bspray::accel::{BspAxes, BspInstructions, BspOrder, BspQuality, BuildOptions};
+use bspray::accel::{BspAxes, BspInstructions, BspOrder, BspQuality, BuildOptions, BuildTime};
 use bspray::scene::Scene;
 use clap::Args;
 use serde_json::{Value, json};
@@ -18,6 +18,10 @@ pub(super) struct BspArgs {
     /// With which instructions `bsp` is walked; the answers are the same
     #[arg(long, value_name = "NAME", default_value_t = BspInstructions::default(), value_parser = instructions)]
     bsp_instructions: BspInstructions,
+    /// When `bsp`, and meshes that are placed several times under `bvh2` and `cwbvh`, are built: all `ahead` of the first ray, each part when it is `reached` by one, or
+    /// `auto`: for pictures of few rays `reached`; the answers are the same
+    #[arg(long, value_name = "TIME", default_value = AUTO, value_parser = time)]
+    build: Time,
     /// Which polygon `bsp-polygon` inserts next
     #[arg(long, value_name = "ORDER", default_value_t = BspOrder::default(), value_parser = order)]
     pub(super) bsp_order: BspOrder,
@@ -33,16 +37,26 @@ const AUTO: &str = "auto";
 #[derive(Clone, Copy, Debug)]
 struct Quality(Option<BspQuality>);
 
+/// When what is built, or none for the choice by the number of rays.
+#[derive(Clone, Copy, Debug)]
+struct Time(Option<BuildTime>);
+
 impl BspArgs {
     /// For as many rays as anybody may ask.
     pub(super) fn options(&self, seed: u32) -> BuildOptions {
-        self.options_for(seed, BspQuality::default())
+        self.options_for(seed, BspQuality::default(), BuildTime::default())
     }
 
-    /// For rays for which `auto` is the best.
-    pub(super) fn options_for(&self, seed: u32, auto: BspQuality) -> BuildOptions {
+    /// For rays for which these are the best that `auto` may be.
+    pub(super) fn options_for(
+        &self,
+        seed: u32,
+        quality: BspQuality,
+        time: BuildTime,
+    ) -> BuildOptions {
         BuildOptions {
-            quality: self.bsp_quality.0.unwrap_or(auto),
+            quality: self.bsp_quality.0.unwrap_or(quality),
+            time: self.build.0.unwrap_or(time),
             axes: self.bsp_axes,
             instructions: self.bsp_instructions,
             order: self.bsp_order,
@@ -71,6 +85,16 @@ fn quality(text: &str) -> Result<Quality, String> {
     let named = one_of(BspQuality::ALL, BspQuality::name, text);
     named
         .map(|q| Quality(Some(q)))
+        .map_err(|all| format!("{all}, {AUTO}"))
+}
+
+fn time(text: &str) -> Result<Time, String> {
+    if text == AUTO {
+        return Ok(Time(None));
+    }
+    let named = one_of(BuildTime::ALL, BuildTime::name, text);
+    named
+        .map(|time| Time(Some(time)))
         .map_err(|all| format!("{all}, {AUTO}"))
 }
 

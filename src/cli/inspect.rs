@@ -2,6 +2,7 @@
 
 use std::fmt::Write;
 use std::path::PathBuf;
+use std::time::Instant;
 
 use bspray::scene::{AlphaMode, LightKind, Material, Projection, Scene};
 use clap::Args;
@@ -9,13 +10,15 @@ use serde_json::{Value, json};
 
 use super::inspect_bsp::{self, InspectBspArgs};
 use super::inspect_extents::{self, InspectExtentArgs};
+use super::inspect_needs::{self, InspectNeedsArgs};
 use super::model_args::ModelArgs;
 use super::numbers::{number, numbers};
 use super::{Done, output};
 
 /// Arguments of `bspray inspect`.
 #[derive(Args, Debug)]
-#[command(mut_group("CameraArgs", |group| group.requires("extent_table")))]
+#[command(group(clap::ArgGroup::new("view").args(["extent_table", "needs"])),
+    mut_group("CameraArgs", |group| group.requires("view")))]
 pub(super) struct InspectArgs {
     #[command(flatten)]
     input: ModelArgs,
@@ -26,6 +29,8 @@ pub(super) struct InspectArgs {
     bsp: InspectBspArgs,
     #[command(flatten)]
     extents: InspectExtentArgs,
+    #[command(flatten)]
+    needs: InspectNeedsArgs,
 }
 
 /// Rows of a list that are shown without `--json`.
@@ -34,12 +39,18 @@ const SHOWN_ROWS: usize = 40;
 /// Loads and tells.
 pub(super) fn run(args: &InspectArgs) -> anyhow::Result<Done> {
     args.bsp.check_files()?;
+    let started = Instant::now();
     let scene = args.input.load()?;
+    let load = started.elapsed().as_secs_f64();
     if args.bsp.bsp {
         return inspect_bsp::run(&scene, &args.input.models, &args.bsp, args.json);
     }
     if args.extents.extent_table {
         return inspect_extents::run(&scene, &args.extents, args.json);
+    }
+    if args.needs.needs {
+        let (camera, size) = (&args.extents.camera, args.extents.resolution);
+        return inspect_needs::run(&scene, &args.needs, camera, size, load, args.json);
     }
     let report = report(&scene, &args.input.models);
     output::report(&report, args.json, text)?;

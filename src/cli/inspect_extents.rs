@@ -23,13 +23,13 @@ pub(super) struct InspectExtentArgs {
     #[arg(long, conflicts_with = "bsp")]
     pub(super) extent_table: bool,
     #[command(flatten)]
-    camera: CameraArgs,
+    pub(super) camera: CameraArgs,
     /// With --extent-table: what finds the hits within an object: linear (the lecture's), bsp, bvh2 or cwbvh
     #[arg(long, value_name = "KIND", default_value_t = MeshAccelerator::Linear, value_parser = extent_args::mesh, requires = "extent_table")]
     mesh_accel: MeshAccelerator,
-    /// With --extent-table: width and height of the view, in pixels
-    #[arg(long, value_name = "WxH", value_parser = values::resolution, default_value = "1280x720", requires = "extent_table")]
-    resolution: (u32, u32),
+    /// With --extent-table or --needs: width and height of the view, in pixels
+    #[arg(long, value_name = "WxH", value_parser = values::resolution, default_value = "1280x720", requires = "view")]
+    pub(super) resolution: (u32, u32),
     /// With --extent-table: most rays of each kind
     #[arg(long, value_name = "N", default_value_t = 2000, value_parser = clap::value_parser!(u32).range(1..=values::MOST_RAYS), requires = "extent_table")]
     rays: u32,

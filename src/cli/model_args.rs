@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use anyhow::bail;
-use bspray::import::{ImportOptions, Moment, load_with, load_with_neighbors};
+use bspray::import::{ImportOptions, Moment, TextureNeeds, load_with, load_with_neighbors};
 use bspray::scene::Scene;
 use clap::Args;
 
@@ -38,18 +38,33 @@ pub(super) struct ModelArgs {
     memory_limit: Option<u64>,
 }
 
+/// What of the models is read.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Wants {
+    /// All meshes as they are in the files, copies too.
+    pub(super) keeps_copies: bool,
+    /// Textures that are read.
+    pub(super) textures: TextureNeeds,
+}
+
 impl ModelArgs {
     /// Loads the models as one scene.
     pub(super) fn load(&self) -> anyhow::Result<Scene> {
-        Ok(load_with(&self.models, &self.options()?)?)
+        Ok(load_with(&self.models, &self.options(Wants::default())?)?)
+    }
+
+    /// Loads of the models what a picture wants.
+    pub(super) fn load_wanted(&self, wants: Wants) -> anyhow::Result<Scene> {
+        Ok(load_with(&self.models, &self.options(wants)?)?)
     }
 
     /// Loads the models as one scene, and where everything is `step` seconds before and after, if a moment of an animation is shown.
     pub(super) fn load_with_neighbors(
         &self,
         step: f64,
+        wants: Wants,
     ) -> anyhow::Result<(Scene, Option<[Scene; 2]>)> {
-        let options = self.options()?;
+        let options = self.options(wants)?;
         let Some(moment) = options.moment else {
             return Ok((load_with(&self.models, &options)?, None));
         };
@@ -57,7 +72,7 @@ impl ModelArgs {
         Ok((scene, Some(neighbors)))
     }
 
-    fn options(&self) -> anyhow::Result<ImportOptions> {
+    fn options(&self, wants: Wants) -> anyhow::Result<ImportOptions> {
         let moment = match (self.animation_index, self.animation_time) {
             (Some(animation), seconds) => Some(Moment {
                 animation,
@@ -75,6 +90,8 @@ impl ModelArgs {
             crease_angle: self.crease_angle,
             memory_limit: self.memory_limit,
             geometry_only: false,
+            keeps_copies: wants.keeps_copies,
+            textures: wants.textures,
         })
     }
 }

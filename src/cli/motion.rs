@@ -6,7 +6,7 @@ use bspray::scene::{Camera, CameraFrame, Scene};
 
 use super::camera_args;
 use super::frames::FrameArgs;
-use super::model_args::ModelArgs;
+use super::model_args::{ModelArgs, Wants};
 use super::render::RenderArgs;
 
 /// Loads the models, and where everything is in the frames before and after, if pictures have layers and one moment of an animation is shown by one
@@ -18,12 +18,13 @@ pub(super) fn load(
     input: &ModelArgs,
     frames: &FrameArgs,
     has_layers: bool,
+    wants: Wants,
 ) -> anyhow::Result<(Scene, Option<[Scene; 2]>)> {
     let step = frames.step(has_layers)?;
     if has_layers && !frames.is_turntable() {
-        input.load_with_neighbors(step)
+        input.load_with_neighbors(step, wants)
     } else {
-        Ok((input.load()?, None))
+        Ok((input.load_wanted(wants)?, None))
     }
 }
 

@@ -2,6 +2,7 @@
 //! a signal.
 
 use std::io::IsTerminal;
+use std::sync::OnceLock;
 use std::sync::atomic::{AtomicBool, AtomicU8, AtomicU64, Ordering};
 use std::time::Instant;
 
@@ -67,6 +68,7 @@ pub(super) fn begin<'a>(
     RenderProgress {
         style,
         done: AtomicU64::new(0),
+        first: OnceLock::new(),
         total,
         begun: Instant::now(),
         time_limit: time_limit.map(f64::from),
@@ -85,6 +87,8 @@ enum Style {
 pub(super) struct RenderProgress<'a> {
     style: Style,
     done: AtomicU64,
+    /// When the first samples were done.
+    first: OnceLock<Instant>,
     total: u64,
     begun: Instant,
     /// In seconds.
@@ -95,6 +99,7 @@ pub(super) struct RenderProgress<'a> {
 
 impl Observer for RenderProgress<'_> {
     fn samples_done(&self, samples: u64) {
+        self.first.get_or_init(Instant::now);
         let before = self.done.fetch_add(samples, Ordering::Relaxed);
         match &self.style {
             Style::Quiet | Style::Passes => {}
@@ -140,6 +145,12 @@ impl Observer for RenderProgress<'_> {
 }
 
 impl RenderProgress<'_> {
+    /// Seconds from `begun` to the first samples of the first pixels; so far, if there are none.
+    pub(super) fn first_pixel(&self, begun: Instant) -> f64 {
+        let first = self.first.get().copied().unwrap_or_else(Instant::now);
+        first.duration_since(begun).as_secs_f64()
+    }
+
     /// Says that the render has ended and writing begins.
     pub(super) fn end(self) {
         PHASE.store(WRITING, Ordering::Relaxed);

@@ -7,6 +7,7 @@ use anyhow::{Context, bail};
 use bspray::accel::AcceleratorKind;
 use bspray::accel::bsp::polygon::SceneTrees;
 use bspray::geometry::TriangleTest;
+use bspray::import::TextureNeeds;
 use bspray::render::{Integrator, LightSearch, PixelFilter, PixelRect, RenderOptions};
 use bspray::scene::Scene;
 use clap::{Args, ValueEnum};
@@ -19,7 +20,7 @@ use super::extent_args::ExtentArgs;
 use super::files;
 use super::frames::{FrameArgs, Shot};
 use super::lens_args::LensArgs;
-use super::model_args::ModelArgs;
+use super::model_args::{ModelArgs, Wants};
 use super::motion::{self, Neighbors};
 use super::overlay_args::OverlayArgs;
 use super::savings_args::SavingsArgs;
@@ -240,13 +241,15 @@ pub(super) fn run(args: &RenderArgs) -> anyhow::Result<Done> {
         .map(|address| Server::connect(address, args.quiet))
         .transpose()?;
     let started = Instant::now();
-    let (mut scene, neighbors) = motion::load(&args.input, &args.frames, has_layers)?;
+    let wants = wants(args, has_layers);
+    let (mut scene, neighbors) = motion::load(&args.input, &args.frames, has_layers, wants)?;
     let environment = args.environment.environment(args.camera.up())?;
     // So that it is not written over.
     scene
         .files
         .extend(args.environment.file().map(PathBuf::from));
     let load = started.elapsed().as_secs_f64();
+    let begun = started;
     let outputs = shots.iter().flat_map(|shot| &shot.outputs);
     files::spare_inputs(outputs.map(|(path, _)| path.as_path()), &scene)?;
     if !args.quiet {
@@ -308,7 +311,9 @@ pub(super) fn run(args: &RenderArgs) -> anyhow::Result<Done> {
             load,
             build,
             render: 0.0,
+            first_pixel: 0.0,
         },
+        begun,
     };
     studio.take(&shots)
 }
@@ -341,6 +346,24 @@ fn window(args: &RenderArgs) -> anyhow::Result<PixelRect> {
         bail!(UsageError(cause));
     }
     Ok(window)
+}
+
+/// What of the models the pictures need.
+fn wants(args: &RenderArgs, has_layers: bool) -> Wants {
+    use IntegratorName::{Ao, BspDepth, Cost, Facing, Fragment, Id, Normals, Uv};
+    let keeps_copies = args.savings.exhaustive;
+    // Layers, filters and reports look at colours whatever the picture shows.
+    let shows_all = keeps_copies || has_layers || args.denoise || args.pixel.is_some();
+    let textures = match args.integrator {
+        _ if shows_all => TextureNeeds::All,
+        Ao | Normals => TextureNeeds::Normals,
+        Facing | Uv | Id | Cost | Fragment | BspDepth => TextureNeeds::Alpha,
+        _ => TextureNeeds::All,
+    };
+    Wants {
+        keeps_copies,
+        textures,
+    }
 }
 
 fn integrator(args: &RenderArgs, scene: &Scene) -> Integrator {

@@ -5,7 +5,8 @@ use std::time::Instant;
 
 use bspray::accel::bsp::polygon::SceneTrees;
 use bspray::accel::extents::{ExtentSphere, MeshAccelerator, View};
-use bspray::accel::{Accelerator, AcceleratorKind, BspQuality, BuildOptions};
+use bspray::accel::{Accelerator, AcceleratorKind, BspQuality, BuildOptions, BuildTime};
+use bspray::analysis::{Needs, Used, Watched};
 use bspray::picture;
 use bspray::render::{self, Environment, Film, RenderOptions, Stage};
 use bspray::scene::{Camera, Scene};
@@ -38,6 +39,8 @@ pub(super) struct Studio<'a> {
     pub(super) display: Option<Server>,
     /// What loading the scene and building its trees took.
     pub(super) before: Seconds,
+    /// When loading began.
+    pub(super) begun: Instant,
 }
 
 /// What became of one picture.
@@ -57,6 +60,8 @@ struct Built {
     sphere: ExtentSphere,
     /// Of its wide BSPs, if it has any.
     quality: Option<BspQuality>,
+    /// What its rays hit, if anybody wants to know.
+    used: Option<Arc<Used>>,
     seconds: f64,
 }
 
@@ -65,6 +70,7 @@ struct Staged<'s> {
     stage: Stage<'s>,
     sphere: ExtentSphere,
     quality: Option<BspQuality>,
+    used: Option<&'s Used>,
     seconds: f64,
 }
 
@@ -178,8 +184,15 @@ impl Studio<'_> {
             .iter()
             .map(|m| m.triangles.len() as u64)
             .sum();
-        let quality = BspQuality::for_rays(rays.saturating_mul(pictures as u64), triangles);
-        let options = self.args.bsp.options_for(self.args.seed, quality);
+        let rays = rays.saturating_mul(pictures as u64);
+        let quality = BspQuality::for_rays(rays, triangles);
+        // A picture of the steps shows the tree of which nothing is left out.
+        let time = if self.args.savings.exhaustive || self.options.integrator.shows_steps() {
+            BuildTime::Ahead
+        } else {
+            BuildTime::for_rays(rays, triangles)
+        };
+        let options = self.args.bsp.options_for(self.args.seed, quality, time);
         let options = BuildOptions {
             test: self.args.intersect,
             ..self.args.extents.add_to(options, view)
@@ -190,8 +203,14 @@ impl Studio<'_> {
             _ => false,
         };
         let build = || self.args.accel.build_with(self.scene, &options);
+        let (mut accelerator, mut used) = (self.pool.install(build), None);
+        if self.args.stats || self.args.json {
+            let watched = Watched::new(accelerator, self.scene);
+            (accelerator, used) = (Box::new(watched.0), Some(watched.1));
+        }
         Ok(Built {
-            accelerator: self.pool.install(build),
+            accelerator,
+            used,
             sphere: options.sphere,
             quality: has_wide.then_some(options.quality),
             seconds: started.elapsed().as_secs_f64(),
@@ -211,10 +230,14 @@ impl Studio<'_> {
         if args.environment.is_transparent() {
             stage = stage.without_backdrop();
         }
+        if args.savings.exhaustive {
+            self.pool.install(|| stage.textures.build_all(self.scene));
+        }
         Staged {
             stage,
             sphere: built.sphere,
             quality: built.quality,
+            used: built.used.as_deref(),
             seconds: self.before.build + built.seconds + started.elapsed().as_secs_f64(),
         }
     }
@@ -243,9 +266,12 @@ impl Studio<'_> {
         let seconds = Seconds {
             build: staged.seconds,
             render: started.elapsed().as_secs_f64(),
+            first_pixel: watch.first_pixel(self.begun),
             ..self.before
         };
         watch.end();
+        let build = stage.accelerator.build_stats();
+        let needs = |used| Needs::of(self.scene, used, &stage.textures, &build);
 
         let summary = RenderSummary {
             args_models: &args.input.models,
@@ -253,7 +279,8 @@ impl Studio<'_> {
             accelerator: args.accel,
             bsp_quality: staged.quality,
             triangle_test: args.intersect,
-            build: stage.accelerator.build_stats(),
+            build,
+            needs: staged.used.map(needs),
             film: &film,
             options: &self.options,
             threads: self.pool.current_num_threads(),

@@ -3,10 +3,13 @@
 use std::path::{Path, PathBuf};
 
 use bspray::accel::{AcceleratorKind, BspQuality, BuildStats};
+use bspray::analysis::Needs;
 use bspray::geometry::TriangleTest;
 use bspray::render::{Film, RenderOptions};
 use bspray::scene::Scene;
 use serde_json::{Value, json};
+
+use super::needs_report;
 
 /// Wall-clock times.
 #[derive(Clone, Copy, Debug)]
@@ -14,6 +17,8 @@ pub(super) struct Seconds {
     pub(super) load: f64,
     pub(super) build: f64,
     pub(super) render: f64,
+    /// From the beginning of loading to the first pixels.
+    pub(super) first_pixel: f64,
 }
 
 /// Everything that is told about a render.
@@ -25,6 +30,8 @@ pub(super) struct RenderSummary<'a> {
     pub(super) bsp_quality: Option<BspQuality>,
     pub(super) triangle_test: TriangleTest,
     pub(super) build: BuildStats,
+    /// What the picture used of its scene, if that was watched.
+    pub(super) needs: Option<Needs>,
     pub(super) film: &'a Film,
     pub(super) options: &'a RenderOptions,
     pub(super) threads: usize,
@@ -62,6 +69,7 @@ impl RenderSummary<'_> {
             load,
             build,
             render,
+            ..
         } = self.seconds;
         let partial = if self.film.is_complete {
             ""
@@ -82,6 +90,7 @@ impl RenderSummary<'_> {
             load,
             build,
             render,
+            first_pixel,
         } = self.seconds;
         let rows = [
             (
@@ -92,6 +101,14 @@ impl RenderSummary<'_> {
             ("accelerator", self.accelerator.to_string()),
             ("triangle test", self.triangle_test.to_string()),
             ("BSP quality", self.quality().unwrap_or("-").to_owned()),
+            (
+                "triangles reached",
+                format!(
+                    "{} ({:.1} %)",
+                    self.build.triangles - self.build.unbuilt_triangles,
+                    100.0 * self.build.built_share()
+                ),
+            ),
             (
                 "tree nodes",
                 format!("{} (depth {})", self.build.nodes, self.build.depth),
@@ -108,6 +125,7 @@ impl RenderSummary<'_> {
             ("load seconds", format!("{load:.4}")),
             ("build seconds", format!("{build:.4}")),
             ("render seconds", format!("{render:.4}")),
+            ("first pixel after", format!("{first_pixel:.4} seconds")),
             ("samples", self.film.samples().to_string()),
             ("eye rays", rays.eye.to_string()),
             ("shadow rays", rays.shadow.to_string()),
@@ -123,8 +141,10 @@ impl RenderSummary<'_> {
                 format!("{:.2}", self.per_ray(cost.primitives)),
             ),
         ];
-        rows.iter()
-            .map(|(name, value)| format!("{name:<24}{value}\n"))
+        let rows = rows.iter();
+        let rows = rows.map(|(name, value)| format!("{name:<24}{value}\n"));
+        let needs = self.needs.iter().map(needs_report::table);
+        rows.chain(needs.map(|table| format!("\n{table}")))
             .collect()
     }
 
@@ -168,6 +188,8 @@ impl RenderSummary<'_> {
                 "bsp_quality": self.quality(),
                 "triangle_test": self.triangle_test.name(),
                 "triangles": self.build.triangles,
+                "unbuilt_triangles": self.build.unbuilt_triangles,
+                "built_share": self.build.built_share(),
                 "nodes": self.build.nodes,
                 "depth": self.build.depth,
                 "bytes": self.build.bytes,
@@ -176,7 +198,9 @@ impl RenderSummary<'_> {
                 "load": self.seconds.load,
                 "build": self.seconds.build,
                 "render": self.seconds.render,
+                "first_pixel": self.seconds.first_pixel,
             },
+            "needs": self.needs.as_ref().map(needs_report::value),
             "samples": self.film.samples(),
             "rays": { "eye": rays.eye, "shadow": rays.shadow, "ambient": rays.ambient,
                 "reflection": rays.reflection, "refraction": rays.refraction, "diffuse": rays.diffuse, "total": rays.total() },

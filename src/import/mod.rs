@@ -10,6 +10,7 @@ mod gltf;
 mod images;
 mod line;
 mod obj;
+mod same;
 mod smooth;
 
 use std::path::{Path, PathBuf};
@@ -109,6 +110,22 @@ pub struct ImportOptions {
     /// Read only where things are: all materials are plain ones without textures, faces of glTF files are not smoothed, and no broken triangle of theirs is dropped, so that
     /// two moments of an animation have the same triangles.
     pub geometry_only: bool,
+    /// Keep meshes that a file holds several times as they are, instead of one that is placed several times.
+    pub keeps_copies: bool,
+    /// Of glTF files, the images of which textures are read. Of the others only the size is, and they are white where they are looked up.
+    pub textures: TextureNeeds,
+}
+
+/// What textures must be there for.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
+pub enum TextureNeeds {
+    /// For what has holes.
+    Alpha,
+    /// Also for the directions of normals.
+    Normals,
+    /// For all that light does.
+    #[default]
+    All,
 }
 
 /// A moment of an animation.
@@ -305,6 +322,9 @@ fn load_bytes(
         }
     };
     read.scene.files.insert(0, file.to_owned());
+    if !options.keeps_copies && !options.geometry_only {
+        same::share_meshes(&mut read.scene, file);
+    }
     Ok(read)
 }
 

@@ -3,9 +3,10 @@
 //! A texel is the mean of what it covers, in linear light. Where a side is odd, it covers two texels and parts of a third
 //! (Guthe and Heckbert, "Non-Power-of-Two Mipmapping", NVIDIA 2005), so that every level has the mean of the image. Levels are
 //! stored as the image is, each rounded to the nearest code: they take a third of its memory.
+//!
+//! One thread builds them: it may hold a lock, and if it waited for others to help it would take up work of theirs that waits for that lock.
 
 use glam::{Vec2, Vec4};
-use rayon::prelude::*;
 
 use super::texel::{Encoder, fetch};
 use super::texture::{ColorSpace, bilinear};
@@ -42,15 +43,18 @@ impl Pyramid {
 
     /// Bytes of the levels.
     pub(super) fn memory(&self) -> u64 {
-        let bytes = |level: &Level| {
-            let texel = match level.pixels {
-                Pixels::Rgba8(_) => 4,
-                Pixels::Rgba16(_) => 8,
-                Pixels::RgbaF32(_) => 16,
-            };
-            u64::from(level.size.0) * u64::from(level.size.1) * texel
-        };
-        self.levels.iter().map(bytes).sum()
+        let levels = self.levels.iter();
+        levels.map(|level| bytes(&level.pixels, level.size)).sum()
+    }
+
+    /// Bytes that the levels of an image would have.
+    pub(super) fn memory_of(pixels: &Pixels, mut size: (u32, u32)) -> u64 {
+        let mut sum = 0;
+        while size.0 > 1 || size.1 > 1 {
+            size = coarser(size);
+            sum += bytes(pixels, size);
+        }
+        sum
     }
 
     /// The value at coordinates `at` of the image (0 to 1 along each side), on a level above 0, mixed of the levels beside it.
@@ -81,10 +85,25 @@ impl Pyramid {
     }
 }
 
+/// The size of the next coarser level.
+fn coarser(size: (u32, u32)) -> (u32, u32) {
+    ((size.0 / 2).max(1), (size.1 / 2).max(1))
+}
+
+/// Bytes of an image of this size, of texels of this kind.
+fn bytes(kind: &Pixels, size: (u32, u32)) -> u64 {
+    let texel = match kind {
+        Pixels::Rgba8(_) => 4,
+        Pixels::Rgba16(_) => 8,
+        Pixels::RgbaF32(_) => 16,
+    };
+    u64::from(size.0) * u64::from(size.1) * texel
+}
+
 impl Level {
     /// The next coarser level of an image.
     fn below(source: &Pixels, from: (u32, u32), space: ColorSpace) -> Self {
-        let size = ((from.0 / 2).max(1), (from.1 / 2).max(1));
+        let size = coarser(from);
         if let Pixels::Rgba8(texels) = source
             && from.0.is_multiple_of(2)
             && from.1.is_multiple_of(2)
@@ -93,8 +112,7 @@ impl Level {
             return Self { size, pixels };
         }
         let columns: Vec<Taps> = (0..size.0).map(|x| Taps::new(x, size.0, from.0)).collect();
-        let rows = (0..size.1).into_par_iter();
-        let texels = rows.flat_map_iter(|y| {
+        let texels = (0..size.1).flat_map(|y| {
             let row = Taps::new(y, size.1, from.1);
             columns.iter().map(move |column| {
                 row.mean(|y| {
@@ -151,24 +169,23 @@ fn halved(texels: &[[u8; 4]], from: (u32, u32), space: ColorSpace) -> Vec<[u8; 4
         let [a, b, c, d] = [a, b, c, d].map(|code| table[usize::from(code)]);
         encoder.code((a + b + (c + d)) * 0.25)
     };
-    let rows = means.par_chunks_mut(width);
-    rows.zip(texels.par_chunks(2 * wide))
-        .for_each(|(means, two)| {
-            let (upper, lower) = two.split_at(wide);
-            let pairs = upper
-                .as_chunks::<2>()
-                .0
-                .iter()
-                .zip(lower.as_chunks::<2>().0);
-            for (mean, ([a, b], [c, d])) in means.iter_mut().zip(pairs) {
-                let of = |channel: usize| [a[channel], b[channel], c[channel], d[channel]];
-                let [r, g, b] = match space {
-                    ColorSpace::Srgb => [0, 1, 2].map(|channel| lit(of(channel))),
-                    ColorSpace::Linear => [0, 1, 2].map(|channel| plain(of(channel))),
-                };
-                *mean = [r, g, b, plain(of(3))];
-            }
-        });
+    let rows = means.chunks_mut(width);
+    rows.zip(texels.chunks(2 * wide)).for_each(|(means, two)| {
+        let (upper, lower) = two.split_at(wide);
+        let pairs = upper
+            .as_chunks::<2>()
+            .0
+            .iter()
+            .zip(lower.as_chunks::<2>().0);
+        for (mean, ([a, b], [c, d])) in means.iter_mut().zip(pairs) {
+            let of = |channel: usize| [a[channel], b[channel], c[channel], d[channel]];
+            let [r, g, b] = match space {
+                ColorSpace::Srgb => [0, 1, 2].map(|channel| lit(of(channel))),
+                ColorSpace::Linear => [0, 1, 2].map(|channel| plain(of(channel))),
+            };
+            *mean = [r, g, b, plain(of(3))];
+        }
+    });
     means
 }
 
@@ -241,6 +258,7 @@ mod tests {
             for level in &pyramid.levels {
                 assert!((mean(&level.pixels) - expected).abs() < 1e-5, "{size:?}");
             }
+            assert_eq!(pyramid.memory(), Pyramid::memory_of(&pixels, size));
             let last = pyramid.levels.last().map_or(size, |level| level.size);
             assert_eq!(last, (1, 1));
         }

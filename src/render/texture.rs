@@ -4,48 +4,85 @@
 //! lookup stands for: the level whose texels are as wide is looked up, between two levels both (Williams, "Pyramidal
 //! Parametrics", 1983). It is isotropic: one width for u and v.
 
+use std::sync::OnceLock;
+use std::sync::atomic::{AtomicBool, Ordering};
+
 use glam::{Vec2, Vec4};
 use rayon::prelude::*;
 
 use super::mipmap::Pyramid;
 use super::texel::{self, fetch};
 pub(super) use crate::scene::ColorSpace;
-use crate::scene::{Filter, Pixels, Scene, Texture, TextureRef, Wrap};
+use crate::scene::{Filter, Image, Pixels, Scene, Texture, TextureRef, Wrap};
 
 /// What is worked out of a scene's images for lookups: for each image, and each colour space in which materials use it, its levels of
-/// detail, a third of the image's own memory.
+/// detail, a third of the image's own memory. They are built when the first lookup wants one of them, since many images are never seen from far
+/// enough, or not at all.
 #[derive(Debug, Default)]
 pub struct Textures {
-    /// By image: the levels of its sRGB and of its linear use, as [`ColorSpace`] numbers them.
-    pyramids: Vec<[Option<Pyramid>; 2]>,
+    images: Vec<ImageLevels>,
+}
+
+/// The levels of an image, in the two ways in which it may be used.
+#[derive(Debug, Default)]
+struct ImageLevels {
+    /// Of its sRGB and of its linear use, as [`ColorSpace`] numbers them; nothing for a use that no material makes of it.
+    pyramids: [Option<OnceLock<Pyramid>>; 2],
+    /// Whether a texel was looked up.
+    is_used: AtomicBool,
 }
 
 impl Textures {
-    /// Builds the levels of all images that materials use, on rayon's current threads.
+    /// Finds out which levels materials may want.
     pub fn new(scene: &Scene) -> Self {
-        let mut is_used = vec![[false; 2]; scene.images.len()];
+        let mut images: Vec<ImageLevels> = Vec::new();
+        images.resize_with(scene.images.len(), ImageLevels::default);
         for (space, texture) in scene.materials.iter().flat_map(|m| m.texture_slots()) {
             let sampled = &scene.textures[texture.texture as usize];
-            let image = sampled.image as usize;
-            if sampled.filter == Filter::Linear {
-                is_used[image][place(space, scene.images[image].pixels.as_ref())] = true;
+            if sampled.filter == Filter::Linear
+                && let Some(pixels) = &scene.images[sampled.image as usize].pixels
+            {
+                let levels = &mut images[sampled.image as usize];
+                levels.pyramids[meaning(space, pixels) as usize].get_or_insert_default();
             }
         }
-        let pyramid = |(image, is_used): (usize, [bool; 2])| {
-            let image = &scene.images[image];
-            [ColorSpace::Srgb, ColorSpace::Linear].map(|space| {
-                let pixels = image.pixels.as_ref().filter(|_| is_used[space as usize]);
-                pixels.map(|p| Pyramid::new(p, (image.width, image.height), space))
-            })
-        };
-        let pyramids = is_used.into_par_iter().enumerate().map(pyramid).collect();
-        Self { pyramids }
+        Self { images }
     }
 
-    /// Bytes of all levels but the finest, which are the scene's.
+    /// Builds the levels that materials may want, of all images at the same time, on rayon's current threads.
+    pub fn build_all(&self, scene: &Scene) {
+        let images = self.images.par_iter().zip(&scene.images);
+        images.for_each(|(levels, image)| {
+            for space in [ColorSpace::Srgb, ColorSpace::Linear] {
+                if let (Some(once), Some(pixels)) = (levels.pyramid(space), &image.pixels) {
+                    once.get_or_init(|| Pyramid::new(pixels, (image.width, image.height), space));
+                }
+            }
+        });
+    }
+
+    /// Bytes of all levels that are built, without the finest, which are the scene's.
     pub fn memory(&self) -> u64 {
-        let pyramids = self.pyramids.iter().flatten().flatten();
-        pyramids.map(Pyramid::memory).sum()
+        let pyramids = self.images.iter().flat_map(|i| &i.pyramids).flatten();
+        let built = pyramids.filter_map(OnceLock::get);
+        built.map(Pyramid::memory).sum()
+    }
+
+    /// Bytes of all levels that may be built.
+    pub fn whole_memory(&self, scene: &Scene) -> u64 {
+        let images = self.images.iter().zip(&scene.images);
+        let bytes = |(levels, image): (&ImageLevels, &Image)| {
+            let uses = levels.pyramids.iter().flatten().count() as u64;
+            let pixels = image.pixels.as_ref();
+            uses * pixels.map_or(0, |p| Pyramid::memory_of(p, (image.width, image.height)))
+        };
+        images.map(bytes).sum()
+    }
+
+    /// Whether a texel of an image was looked up.
+    pub fn is_used(&self, image: u32) -> bool {
+        let levels = self.images.get(image as usize);
+        levels.is_some_and(|l| l.is_used.load(Ordering::Relaxed))
     }
 
     /// The texture's value at coordinates (`uv`: those of the material's set) over a patch of `width_uv`, in units of those
@@ -72,31 +109,38 @@ impl Textures {
             return Vec4::ONE;
         }
         // Written so that NaN counts as 0.
+        let levels = self.images.get(sampled.image as usize);
+        if let Some(levels) = levels
+            && !levels.is_used.load(Ordering::Relaxed)
+        {
+            levels.is_used.store(true, Ordering::Relaxed);
+        }
         if width_uv > 0.0
-            && let Some(pyramid) = self.pyramid(sampled, pixels, space)
+            && sampled.filter == Filter::Linear
+            && let Some(once) = levels.and_then(|l| l.pyramid(meaning(space, pixels)))
         {
             let level = level(texture, size, width_uv);
             if level > 0.0 {
+                let new = || Pyramid::new(pixels, size, meaning(space, pixels));
+                let pyramid = once.get_or_init(new);
                 return pyramid.lookup((pixels, size), sampled, at, level);
             }
         }
         bilinear(pixels, size, sampled, at, space)
     }
+}
 
-    fn pyramid(&self, sampled: &Texture, pixels: &Pixels, space: ColorSpace) -> Option<&Pyramid> {
-        if sampled.filter == Filter::Nearest {
-            return None;
-        }
-        let pyramids = self.pyramids.get(sampled.image as usize)?;
-        pyramids[place(space, Some(pixels))].as_ref()
+impl ImageLevels {
+    fn pyramid(&self, space: ColorSpace) -> Option<&OnceLock<Pyramid>> {
+        self.pyramids[space as usize].as_ref()
     }
 }
 
-/// Where the levels of a use stand: floating-point images are linear in any slot.
-fn place(space: ColorSpace, pixels: Option<&Pixels>) -> usize {
+/// What an image's numbers mean in a slot: those of floating-point images are linear in any.
+fn meaning(space: ColorSpace, pixels: &Pixels) -> ColorSpace {
     match pixels {
-        Some(Pixels::RgbaF32(_)) => ColorSpace::Linear as usize,
-        _ => space as usize,
+        Pixels::RgbaF32(_) => ColorSpace::Linear,
+        _ => space,
     }
 }
 
@@ -155,7 +199,7 @@ fn wrapped(index: i64, size: u32, wrap: Wrap) -> u32 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::{Image, Texture};
+    use crate::scene::Texture;
 
     /// The texture's value at coordinates on its finest level, or white where its image has no pixels.
     fn lookup(scene: &Scene, texture: &TextureRef, uv: Vec2, space: ColorSpace) -> Vec4 {

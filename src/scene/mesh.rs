@@ -164,6 +164,24 @@ impl TriangleMesh {
         (0..8).map(corner).collect()
     }
 
+    /// Whether all is the same but the name, bit for bit.
+    pub fn has_content_of(&self, other: &Self) -> bool {
+        fn same<const N: usize, T: AsRef<[f32; N]>>(a: &[T], b: &[T]) -> bool {
+            let bits = |v: &T| v.as_ref().map(f32::to_bits);
+            a.len() == b.len() && a.iter().zip(b).all(|(a, b)| bits(a) == bits(b))
+        }
+        let (a, b) = (&self.uv_sets, &other.uv_sets);
+        self.triangles == other.triangles
+            && self.parts == other.parts
+            && self.outlines == other.outlines
+            && same(&self.positions, &other.positions)
+            && same(&self.normals, &other.normals)
+            && same(&self.tangents, &other.tangents)
+            && same(&self.colors, &other.colors)
+            && a.len() == b.len()
+            && a.iter().zip(b).all(|(a, b)| same(a, b))
+    }
+
     /// The scene's material of a triangle.
     pub fn material_of(&self, triangle: u32) -> u32 {
         let behind = self.parts.partition_point(|p| p.first_triangle <= triangle);

@@ -13,6 +13,7 @@ mod lens;
 mod mattes;
 mod models;
 mod motion;
+mod needs;
 mod outputs;
 mod overlay;
 mod pipes;

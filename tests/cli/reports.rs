@@ -186,7 +186,11 @@ fn stats_are_a_table_of_the_same() {
         );
     }
     let is_row = |l: &str| l.len() > 24 && !l.starts_with(' ');
-    assert!(ran.stdout.lines().all(is_row), "{}", ran.stdout);
+    // What the picture needed follows as a table of its own.
+    let tables: Vec<&str> = ran.stdout.split("\n\n").collect();
+    assert_eq!(tables.len(), 2, "{}", ran.stdout);
+    assert!(tables[1].starts_with("needs  ") && tables[1].contains("\ntriangles  "));
+    assert!(tables.iter().all(|table| table.lines().all(is_row)), "{}", ran.stdout);
 }
 
 #[test]

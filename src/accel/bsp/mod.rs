@@ -4,4 +4,4 @@ mod options;
 pub mod polygon;
 pub(super) mod wide;
 
-pub use options::{BspAxes, BspInstructions, BspOrder, BspQuality, BuildOptions};
+pub use options::{BspAxes, BspInstructions, BspOrder, BspQuality, BuildOptions, BuildTime};

@@ -2,7 +2,7 @@
 
 use super::choice::MeshAccelerator;
 use crate::accel::bake::TriangleSet;
-use crate::accel::bsp::wide::WideSet;
+use crate::accel::bsp::wide::{Growth, WideSet};
 use crate::accel::bvh::BvhKind;
 use crate::accel::bvh_sets::BvhSet;
 use crate::accel::counters::{BuildStats, Counter};
@@ -22,7 +22,9 @@ impl MeshSet {
     pub(super) fn build(set: TriangleSet, options: &BuildOptions) -> Self {
         match options.mesh {
             MeshAccelerator::Linear => Self::Linear(LinearSet::new(set)),
-            MeshAccelerator::Bsp => Self::Wide(Box::new(WideSet::build(set, options))),
+            MeshAccelerator::Bsp => {
+                Self::Wide(Box::new(WideSet::build(set, options, Growth::Whole, false)))
+            }
             MeshAccelerator::Bvh2 => Self::Bvh(Box::new(BvhSet::build(set, BvhKind::Binary))),
             MeshAccelerator::Cwbvh => Self::Bvh(Box::new(BvhSet::build(set, BvhKind::Wide))),
         }

@@ -11,7 +11,7 @@ use serde_json::{Map, Value};
 use super::extensions::Extension;
 use super::notes::Notes;
 use super::texture::Textures;
-use crate::import::images;
+use crate::import::{TextureNeeds, images};
 use crate::scene::{
     AlphaMode, Clearcoat, Material, Sheen, Specular, TextureRef, Transmission, Volume,
 };
@@ -40,17 +40,36 @@ const LOBE_TEXTURES: [(&str, &[&str]); 5] = [
 
 /// The file's textures that a material shows: those of which pixels are needed. Lobes that [`Material`] does not have, and
 /// what lies under an unlit or older material's own slots, are not among them.
-pub(super) fn shown_textures(json: &json::Material, shown: &mut BTreeSet<usize>) {
+pub(super) fn shown_textures(
+    json: &json::Material,
+    needs: TextureNeeds,
+    shown: &mut BTreeSet<usize>,
+) {
     let find = |name| Extension::find(extensions(json), name);
+    let texture = |e: Extension, key| e.object(key).and_then(|t| t.index("index"));
     let pbr = &json.pbr_metallic_roughness;
-    shown.extend(pbr.base_color_texture.as_ref().map(|t| t.index.value()));
-    if find("KHR_materials_unlit").is_some() {
+    let mode = &json.alpha_mode;
+    let has_alpha = matches!(
+        mode,
+        Checked::Valid(JsonAlphaMode::Mask | JsonAlphaMode::Blend)
+    );
+    if needs == TextureNeeds::All || has_alpha {
+        shown.extend(pbr.base_color_texture.as_ref().map(|t| t.index.value()));
+        if let Some(e) = specular_glossiness(json) {
+            shown.extend(texture(e, "diffuseTexture"));
+        }
+    }
+    if find("KHR_materials_unlit").is_some() || needs == TextureNeeds::Alpha {
+        return;
+    }
+    shown.extend(json.normal_texture.as_ref().map(|t| t.index.value()));
+    if needs == TextureNeeds::Normals {
+        let coat = find("KHR_materials_clearcoat");
+        shown.extend(coat.and_then(|e| texture(e, "clearcoatNormalTexture")));
         return;
     }
     shown.extend(json.emissive_texture.as_ref().map(|t| t.index.value()));
-    shown.extend(json.normal_texture.as_ref().map(|t| t.index.value()));
     shown.extend(json.occlusion_texture.as_ref().map(|t| t.index.value()));
-    let texture = |e: Extension, key| e.object(key).and_then(|t| t.index("index"));
     match specular_glossiness(json) {
         Some(e) => shown.extend(texture(e, "diffuseTexture")),
         None => {
@@ -257,6 +276,30 @@ mod tests {
     fn material(json: &str) -> Material {
         let json: json::Material = serde_json::from_str(json).expect("JSON");
         read(&json, 3, &Textures::default())
+    }
+
+    #[test]
+    fn textures_are_shown_that_what_is_wanted_looks_at() {
+        let text = |mode: &str| {
+            format!(
+                r#"{{"alphaMode":"{mode}","pbrMetallicRoughness":{{"baseColorTexture":{{"index":1}},"metallicRoughnessTexture":{{"index":2}}}},
+                "normalTexture":{{"index":3}},"occlusionTexture":{{"index":4}},"emissiveTexture":{{"index":5}},
+                "extensions":{{"KHR_materials_clearcoat":{{"clearcoatTexture":{{"index":6}},"clearcoatNormalTexture":{{"index":7}}}}}}}}"#
+            )
+        };
+        let shown = |mode: &str, needs| {
+            let json: json::Material = serde_json::from_str(&text(mode)).expect("JSON");
+            let mut shown = BTreeSet::new();
+            shown_textures(&json, needs, &mut shown);
+            shown.into_iter().collect::<Vec<_>>()
+        };
+        for mode in ["OPAQUE", "MASK", "BLEND"] {
+            assert_eq!(shown(mode, TextureNeeds::All), [1, 2, 3, 4, 5, 6, 7]);
+        }
+        assert_eq!(shown("OPAQUE", TextureNeeds::Normals), [3, 7]);
+        assert_eq!(shown("MASK", TextureNeeds::Normals), [1, 3, 7]);
+        assert!(shown("OPAQUE", TextureNeeds::Alpha).is_empty());
+        assert_eq!(shown("BLEND", TextureNeeds::Alpha), [1]);
     }
 
     #[test]

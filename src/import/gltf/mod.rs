@@ -49,7 +49,7 @@ use self::texture::Textures;
 use super::budget::Budget;
 use super::line::one_line;
 use super::smooth::smooth;
-use super::{FileRead, ImportError, ImportOptions, images};
+use super::{FileRead, ImportError, ImportOptions, TextureNeeds, images};
 use crate::geometry::Aabb;
 use crate::geometry::tolerance::COORDINATE_LIMIT;
 use crate::scene::{Defect, DefectCause, Instance, Scene, TriangleMesh};
@@ -107,7 +107,7 @@ pub(super) fn load(
         let count = document.root.materials.len() + 1;
         scene.materials = vec![material::default_material(); count];
     } else {
-        read_materials(&document, &mut scene, &mut notes);
+        read_materials(&document, options.textures, &mut scene, &mut notes);
         for mesh in &mut scene.meshes {
             let charge = smooth_charge(mesh, options);
             let charged = budget.charge(charge, || format!("mesh {:?}", mesh.name));
@@ -230,14 +230,14 @@ fn object_box(mesh: &TriangleMesh) -> Aabb {
     mesh.positions.iter().copied().collect()
 }
 
-/// Reads the materials, under the file's numbers, and of the textures those that the meshes show.
-fn read_materials(document: &Document, scene: &mut Scene, notes: &mut Notes) {
+/// Reads the materials, under the file's numbers, and of the textures those that the meshes show and that are needed.
+fn read_materials(document: &Document, needs: TextureNeeds, scene: &mut Scene, notes: &mut Notes) {
     let root = &document.root;
     let parts = scene.meshes.iter().flat_map(|m| &m.parts);
     let used: BTreeSet<usize> = parts.map(|p| p.material as usize).collect();
     let mut shown = BTreeSet::new();
     for material in used.iter().filter_map(|&m| root.materials.get(m)) {
-        material::shown_textures(material, &mut shown);
+        material::shown_textures(material, needs, &mut shown);
     }
     let textures = Textures::read(document, &shown, notes);
     let materials = root.materials.iter().enumerate();

@@ -187,6 +187,11 @@ impl Integrator {
         matches!(self, Self::Fragment | Self::BspDepth)
     }
 
+    /// Whether its colours tell how the accelerator works.
+    pub const fn shows_steps(&self) -> bool {
+        matches!(self, Self::Cost)
+    }
+
     /// What the eye sees along a ray, of which the first hit is known, with a cone. Surfaces with alpha are laid over one another, front to back.
     pub fn sample(
         &self,

@@ -57,8 +57,9 @@ impl WideSet {
 
 #[cfg(test)]
 mod tests {
+    use super::super::Growth;
     use super::super::simd::Instructions;
-    use super::super::tests::{Numbers, rays, set, set_along, turned};
+    use super::super::tests::{Numbers, rays, set, set_along, set_grown, turned};
     use super::*;
     use crate::accel::BspQuality;
     use crate::geometry::Interval;
@@ -128,17 +129,19 @@ mod tests {
 
     #[test]
     fn many_rays_have_the_answers_of_each() {
-        for tree in [None, Some(turned())].map(|axes| set_along(axes, BspQuality::Default)) {
-            compare(tree);
+        for axes in [None, Some(turned())] {
+            let whole = set_along(axes, BspQuality::Default);
+            let reached = set_grown(axes, BspQuality::Default, Growth::Reached);
+            compare(reached, &whole);
+            compare(set_along(axes, BspQuality::Default), &whole);
         }
     }
 
-    fn compare(mut tree: WideSet) {
-        for rays in [coherent_rays(), rays(), hostile_rays(&tree)] {
-            tree.instructions = Instructions::Portable;
+    fn compare(mut tree: WideSet, whole: &WideSet) {
+        for rays in [coherent_rays(), rays(), hostile_rays(whole)] {
             let truth: Vec<Option<Hit>> = rays
                 .iter()
-                .map(|ray| tree.closest_alone(ray, &mut Uncounted))
+                .map(|ray| whole.closest_alone(ray, &mut Uncounted))
                 .collect();
             for instructions in Instructions::available() {
                 tree.instructions = instructions;

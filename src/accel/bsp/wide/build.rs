@@ -4,14 +4,15 @@
 //! its halves in proportion to what they hold. Both halves are built at the same time where they are large; since neither looks at
 //! the other, the tree is the same for any number of threads.
 
+use std::ops::RangeInclusive;
+
 use glam::Vec4;
 
 use super::collapse::Roots;
 use super::fragment::{Extent, Fragment};
+use super::members::{LEAF_SIZE, Members};
 use super::plane::{self, Choice, Costs, Crossing, MOST_BINS};
-
-/// Triangles in a leaf, at most.
-pub(super) const LEAF_SIZE: usize = super::node::MOST_BLOCKS * super::node::WIDTH;
+use crate::accel::bake::NamedTriangle;
 
 /// Up to how many fragments so many bins an axis are enough: more take a tenth of the build and change no ray's time.
 const FEW: [(usize, usize); 2] = [(8, 4), (16, 8)];
@@ -71,80 +72,114 @@ pub(super) struct Cell {
 pub(super) enum Content {
     Leaf,
     Inner(Box<[Cell; 2]>),
+    /// Not divided yet. Who writes the tree takes it out.
+    Later(std::cell::Cell<Rest>),
 }
 
-/// Up to [`LEAF_SIZE`] triangles, in order; or too many.
+/// A cell that is not divided yet: with the same in hand, it is divided by the same planes at any time.
+#[derive(Debug, Default)]
+pub(super) struct Rest {
+    pub(super) fragments: Vec<Fragment>,
+    pub(super) allowance: usize,
+    /// Levels of division by planes above it.
+    pub(super) level: u32,
+}
+
+/// The triangles that fragments are parts of, in the tree's space.
 #[derive(Clone, Copy)]
-pub(super) struct Members {
-    triangles: [u32; LEAF_SIZE],
-    count: u8,
+pub(super) enum Corners<'a> {
+    /// Nobody asks for them: fragments are not cut.
+    Unknown,
+    /// Where the tree's space is theirs.
+    Plain(&'a [NamedTriangle]),
+    /// Where it has axes of its own.
+    Turned(&'a [[Vec4; 3]]),
 }
 
-impl Members {
-    const TOO_MANY: u8 = u8::MAX;
-
-    fn of(fragments: &[Fragment]) -> Self {
-        let mut all = Self {
-            triangles: [0; LEAF_SIZE],
-            count: 0,
-        };
-        fragments.iter().for_each(|f| all.insert(f.triangle()));
-        all
-    }
-
-    fn insert(&mut self, triangle: u32) {
-        let count = usize::from(self.count);
-        if self.count == Self::TOO_MANY {
-            return;
-        }
-        match self.triangles[..count].binary_search(&triangle) {
-            Ok(_) => {}
-            Err(_) if count == LEAF_SIZE => self.count = Self::TOO_MANY,
-            Err(at) => {
-                self.triangles.copy_within(at..count, at + 1);
-                self.triangles[at] = triangle;
-                self.count += 1;
-            }
+impl Corners<'_> {
+    #[inline(always)]
+    fn of(&self, triangle: u32) -> Option<[Vec4; 3]> {
+        let index = triangle as usize;
+        match self {
+            Self::Unknown => None,
+            Self::Plain(all) => Some(all[index].triangle.corners().map(|p| p.extend(0.0))),
+            Self::Turned(all) => Some(all[index]),
         }
     }
 
-    fn union(a: &Self, b: &Self) -> Self {
-        let mut all = *a;
-        match b.get() {
-            Some(triangles) => triangles.iter().for_each(|&t| all.insert(t)),
-            None => all.count = Self::TOO_MANY,
+    fn count(&self) -> usize {
+        match self {
+            Self::Unknown => 0,
+            Self::Plain(all) => all.len(),
+            Self::Turned(all) => all.len(),
         }
-        all
-    }
-
-    /// The triangles, unless there are too many.
-    pub(super) fn get(&self) -> Option<&[u32]> {
-        self.triangles.get(..usize::from(self.count))
     }
 }
 
 /// What stays the same throughout a build.
 pub(super) struct Builder<'a> {
-    /// The triangles in the tree's space.
-    pub(super) corners: &'a [[Vec4; 3]],
+    pub(super) corners: Corners<'a>,
     pub(super) plan: Plan,
+    /// Cells of so many fragments are left for later.
+    pub(super) later: Option<RangeInclusive<usize>>,
+    /// Whether other threads help. Not while a lock is held: a thread that waits for their help would take up work that may wait for the lock.
+    pub(super) is_shared: bool,
 }
 
 impl Builder<'_> {
-    /// The tree over all triangles.
-    pub(super) fn build(&self) -> Cell {
-        let whole = |(number, corners): (usize, &[Vec4; 3])| {
+    /// All triangles, undivided.
+    pub(super) fn everything(&self) -> Rest {
+        let whole = |number: u32| {
             let mut extent = Extent::EMPTY;
-            corners.iter().for_each(|&p| extent.grow_point(p));
-            Fragment::new(extent, number as u32)
+            let corners = self.corners.of(number);
+            let points = corners.iter().flatten();
+            points.for_each(|&p| extent.grow_point(p));
+            Fragment::new(extent, number)
         };
-        self.build_over(self.corners.iter().enumerate().map(whole).collect())
+        self.undivided((0..self.corners.count() as u32).map(whole).collect())
     }
 
-    /// The tree over these fragments.
-    pub(super) fn build_over(&self, fragments: Vec<Fragment>) -> Cell {
-        let allowance = (fragments.len() as f32 * self.plan.allowance) as usize;
-        self.divide(fragments, allowance, 0)
+    /// These fragments, undivided.
+    pub(super) fn undivided(&self, fragments: Vec<Fragment>) -> Rest {
+        Rest {
+            allowance: (fragments.len() as f32 * self.plan.allowance) as usize,
+            fragments,
+            level: 0,
+        }
+    }
+
+    /// The tree over what is left of a cell.
+    pub(super) fn build(&self, rest: Rest) -> Cell {
+        self.divide(rest.fragments, rest.allowance, rest.level)
+    }
+
+    /// A half of a cell.
+    fn half(&self, fragments: Vec<Fragment>, allowance: usize, level: u32) -> Cell {
+        let count = fragments.len();
+        if self.later.as_ref().is_some_and(|l| l.contains(&count)) {
+            let rest = Rest {
+                fragments,
+                allowance,
+                level,
+            };
+            return self.later(rest);
+        }
+        self.divide(fragments, allowance, level)
+    }
+
+    /// A cell that is divided later. What it costs is a guess: each level halves its fragments, and a ray goes to one of the halves.
+    fn later(&self, rest: Rest) -> Cell {
+        let mut extent = Extent::EMPTY;
+        rest.fragments.iter().for_each(|f| extent.grow(&f.extent()));
+        let levels = libm::log2f(rest.fragments.len() as f32);
+        let costs = &self.plan.costs;
+        Cell {
+            surface: rest.fragments.iter().map(|f| self.surface(f)).sum(),
+            content: Content::Later(std::cell::Cell::new(rest)),
+            roots: Roots::undivided(&extent, costs.leaf(1) + levels * costs.step),
+            members: Members::UNLISTED,
+            extent,
+        }
     }
 
     fn divide(&self, fragments: Vec<Fragment>, allowance: usize, level: u32) -> Cell {
@@ -189,16 +224,14 @@ impl Builder<'_> {
         let total = (halves[0].len() + halves[1].len()) as f64;
         let shares = [0, 1].map(|side| (left * halves[side].len() as f64 / total) as usize);
         let [a, b] = halves;
-        let (a, b) = if count >= PARALLEL_FROM {
-            rayon::join(
-                || self.divide(a, shares[0], level + 1),
-                || self.divide(b, shares[1], level + 1),
-            )
+        let (a, b) = (
+            || self.half(a, shares[0], level + 1),
+            || self.half(b, shares[1], level + 1),
+        );
+        let (a, b) = if self.is_shared && count >= PARALLEL_FROM {
+            rayon::join(a, b)
         } else {
-            (
-                self.divide(a, shares[0], level + 1),
-                self.divide(b, shares[1], level + 1),
-            )
+            (a(), b())
         };
         Cell::inner(extent, [a, b], &self.plan.costs)
     }
@@ -216,7 +249,7 @@ impl Builder<'_> {
 
     /// About the area of a fragment: its triangle's share, by the areas of their extents.
     fn surface(&self, fragment: &Fragment) -> f32 {
-        let Some(&[a, b, c]) = self.corners.get(fragment.triangle() as usize) else {
+        let Some([a, b, c]) = self.corners.of(fragment.triangle()) else {
             return 0.0;
         };
         let whole = Extent {
@@ -242,7 +275,8 @@ impl Builder<'_> {
         let Choice { axis, position, .. } = *choice;
         let [mut below, mut above] = choice
             .sides
-            .map(|(_, count)| Vec::with_capacity(count as usize));
+            // A sample's count may be a little less than is there.
+            .map(|(_, count)| Vec::with_capacity((count + count / 32) as usize));
         match choice.crossing {
             Crossing::Keep => {
                 for fragment in fragments {
@@ -269,8 +303,11 @@ impl Builder<'_> {
                             [&mut below, &mut above][side].push(*fragment);
                             continue;
                         }
-                        let corners = &self.corners[fragment.triangle() as usize];
-                        let [a, b] = fragment.split(corners, axis, position);
+                        let Some(corners) = self.corners.of(fragment.triangle()) else {
+                            below.push(*fragment);
+                            continue;
+                        };
+                        let [a, b] = fragment.split(&corners, axis, position);
                         left -= usize::from(a.is_some() && b.is_some());
                         below.extend(a);
                         above.extend(b);

@@ -3,8 +3,9 @@
 //! After Ylitie, Karras, Laine, "Efficient Incoherent Ray Traversal on GPUs Through Compressed Wide BVHs", 2017: for each cell, the
 //! least cost of having it as one root, as two, up to eight. One root is a leaf, if its triangles fill four blocks at most, or a node.
 
-use super::build::{Cell, Content, Members};
+use super::build::{Cell, Content, Rest};
 use super::fragment::Extent;
+use super::members::Members;
 use super::node::{Node, WIDTH, Word};
 use super::plane::Costs;
 use super::store::Draft;
@@ -31,6 +32,14 @@ impl Roots {
         Self {
             cost: [Self::leaf_cost(extent, members, costs); WIDTH],
             is_leaf: true,
+        }
+    }
+
+    /// Of a cell that is divided later, by what a ray in it costs.
+    pub(super) fn undivided(extent: &Extent, cost: f32) -> Self {
+        Self {
+            cost: [extent.half_area() * cost; WIDTH],
+            is_leaf: false,
         }
     }
 
@@ -101,16 +110,23 @@ fn roots<'a>(cell: &'a Cell, roots_left: usize, is_top: bool, found: &mut Vec<&'
     roots(&halves[1], count - best, false, found);
 }
 
-/// Writes the tree, its leaves by `leaf`; the word for its root, and its levels.
-pub(super) fn write(
-    cell: &Cell,
-    leaf: &impl Fn(&[u32], &mut Draft) -> Word,
-    draft: &mut Draft,
-) -> (Word, u32) {
+/// What becomes of the ends of the binary tree.
+pub(super) trait Ends {
+    /// Writes a leaf of these triangles.
+    fn leaf(&self, members: &[u32], draft: &mut Draft) -> Word;
+    /// Writes a cell that is not divided yet, `above` levels below the root.
+    fn later(&self, rest: Rest, above: u32, draft: &mut Draft) -> Word;
+}
+
+/// Writes the tree, `above` levels below the root; the word for it, and its own levels, without those that are built later.
+pub(super) fn write(cell: &Cell, above: u32, ends: &impl Ends, draft: &mut Draft) -> (Word, u32) {
+    if let Content::Later(rest) = &cell.content {
+        return (ends.later(rest.take(), above, draft), 0);
+    }
     if cell.roots.is_leaf
         && let Some(members) = cell.members.get()
     {
-        return (leaf(members, draft), 1);
+        return (ends.leaf(members, draft), 1);
     }
     let mut children = Vec::with_capacity(WIDTH);
     roots(cell, WIDTH, true, &mut children);
@@ -119,7 +135,7 @@ pub(super) fn write(
     let mut node = Node::EMPTY;
     let mut levels = 0;
     for (lane, child) in children.into_iter().enumerate() {
-        let (word, below) = write(child, leaf, draft);
+        let (word, below) = write(child, above + 1, ends, draft);
         node.set(lane, &child.extent, word);
         levels = levels.max(below);
     }

@@ -13,16 +13,23 @@ mod batch;
 mod build;
 mod collapse;
 mod fragment;
+mod members;
 mod node;
 mod pages;
 mod plane;
+mod sample;
 mod simd;
 mod store;
+#[cfg(test)]
+mod tests;
 mod top;
+mod treelet;
 mod walk;
 
 pub(super) use simd::Instructions;
 pub(in crate::accel) use top::WideTop;
+
+use std::sync::{Arc, Weak};
 
 use glam::{Vec3, Vec4};
 
@@ -34,19 +41,21 @@ use crate::accel::hit::{Hit, Nearest};
 use crate::accel::names::Names;
 use crate::geometry::{Ray, RayFrame};
 use axes::Axes;
-use build::{Builder, Plan};
-use node::Word;
+use build::Plan;
+use fragment::Fragment;
 use plane::Costs;
-use simd::{Found, MOST_DEPTH, Occluded, Tree};
-use store::{Draft, Store};
+use simd::{Found, Occluded, Tree};
+use treelet::{Branch, Part, Source};
 use walk::Reach;
+
+pub(in crate::accel) use treelet::Growth;
 
 /// A set of triangles under a wide BSP.
 pub(in crate::accel) struct WideSet {
-    store: Store,
-    root: Word,
+    tree: Branch,
+    /// What is left to build its treelets from, while there are any that no ray has reached.
+    source: Weak<Source>,
     reach: Reach,
-    depth: u32,
     instructions: Instructions,
     names: Names,
 }
@@ -80,7 +89,7 @@ fn plan(quality: BspQuality) -> Plan {
 
 impl WideSet {
     fn tree(&self) -> Tree<'_> {
-        Tree::new(&self.store, self.root, &self.reach)
+        Tree::new(&self.tree.store, self.tree.root, &self.reach)
     }
 
     #[inline(always)]
@@ -99,6 +108,25 @@ impl WideSet {
         Some((ray.interval.min, self.names.up_to(name, instance)))
     }
 
+    /// How many triangles are in cells that wait, and in no leaf yet.
+    fn unbuilt(&self) -> u64 {
+        let count = self.names.count() as usize;
+        let (mut is_built, mut is_waiting) = (vec![false; count], vec![false; count]);
+        self.tree.each_part(&mut |part| match part {
+            Part::Built(store) => {
+                let numbers = store.all_triangles().map(|(number, _)| number);
+                numbers.for_each(|number| is_built[number as usize] = true);
+            }
+            Part::Waiting(fragments, _) => {
+                let numbers = fragments.iter().map(Fragment::triangle);
+                numbers.for_each(|number| is_waiting[number as usize] = true);
+            }
+        });
+        let both = is_waiting.iter().zip(&is_built);
+        both.filter(|(waiting, built)| **waiting && !**built)
+            .count() as u64
+    }
+
     /// For rays that the walk is not for.
     #[cold]
     fn test_everything<C: Counter>(
@@ -109,15 +137,21 @@ impl WideSet {
         counter: &mut C,
     ) {
         let frame = RayFrame::new(ray);
-        for (number, triangle) in self.store.all_triangles() {
+        self.tree.each_triangle(&mut |number, triangle| {
             counter.primitives(1);
-            if let Some(t) = frame.intersect(&triangle) {
+            if let Some(t) = frame.intersect(triangle) {
                 self.names.offer(t, number, instance, nearest);
             }
-        }
+        });
     }
 
-    pub(in crate::accel) fn build(triangles: TriangleSet, options: &BuildOptions) -> Self {
+    /// With `drops_copies`, of triangles in the same place only the one of the least number is there.
+    pub(in crate::accel) fn build(
+        triangles: TriangleSet,
+        options: &BuildOptions,
+        growth: Growth,
+        drops_copies: bool,
+    ) -> Self {
         let axes = match options.axes {
             BspAxes::Auto => Axes::of_dominant_normals(triangles.iter().map(|t| &t.triangle)),
             BspAxes::Space => None,
@@ -125,36 +159,38 @@ impl WideSet {
         let instructions = Instructions::chosen(options.instructions);
         Self {
             instructions: instructions.unwrap_or_else(Instructions::best),
-            ..Self::build_along(axes, &triangles, options.quality)
+            ..Self::build_along(axes, triangles, options.quality, growth, drops_copies)
         }
     }
 
     /// Along axes of its own, or those of space.
-    fn build_along(axes: Option<Axes>, triangles: &TriangleSet, quality: BspQuality) -> Self {
-        let in_tree = |p: Vec3| axes.as_ref().map_or(p, |axes| axes.corner(p)).extend(0.0);
-        let corners: Vec<[Vec4; 3]> = triangles
-            .iter()
-            .map(|t| t.triangle.corners().map(in_tree))
-            .collect();
-        let reach = Reach::of(triangles.iter().map(|t| &t.triangle), &corners, axes);
-        let builder = Builder {
-            corners: &corners,
+    fn build_along(
+        axes: Option<Axes>,
+        triangles: TriangleSet,
+        quality: BspQuality,
+        growth: Growth,
+        drops_copies: bool,
+    ) -> Self {
+        let turned: Option<Vec<[Vec4; 3]>> = axes.as_ref().map(|axes| {
+            let corner = |p: Vec3| axes.corner(p).extend(0.0);
+            let corners = triangles.iter().map(|t| t.triangle.corners().map(corner));
+            corners.collect()
+        });
+        let in_tree = turned.as_deref().unwrap_or_default();
+        let reach = Reach::of(triangles.iter().map(|t| &t.triangle), in_tree, axes);
+        let names = Names::of(&triangles);
+        let source = Arc::new(Source {
+            triangles,
+            turned,
             plan: plan(quality),
-        };
-        let tree = builder.build();
-        let leaf = |members: &[u32], draft: &mut Draft| {
-            draft.push_leaf(members, |n| triangles[n as usize].triangle)
-        };
-        let mut draft = Draft::default();
-        let (root, depth) = collapse::write(&tree, &leaf, &mut draft);
-        assert!(depth <= MOST_DEPTH, "the build bounds the depth");
+            drops_copies,
+        });
         Self {
-            store: draft.finish(),
-            root,
+            tree: Branch::new(&source, growth),
+            source: Arc::downgrade(&source),
             reach,
-            depth,
             instructions: Instructions::best(),
-            names: Names::of(triangles),
+            names,
         }
     }
 }
@@ -229,168 +265,26 @@ impl TraceSet for WideSet {
     }
 
     fn stats(&self) -> BuildStats {
+        let count = self.names.count();
+        let (mut nodes, mut bytes, mut is_waiting) = (0, self.names.bytes(), false);
+        self.tree.each_part(&mut |part| match part {
+            Part::Built(store) => {
+                nodes += store.nodes.len() + store.leaves.len();
+                bytes += store.bytes();
+            }
+            Part::Waiting(fragments, _) => {
+                bytes += size_of_val(fragments);
+                is_waiting = true;
+            }
+        });
+        bytes += self.source.upgrade().map_or(0, |source| source.bytes());
         BuildStats {
-            triangles: u64::from(self.names.count()),
-            nodes: (self.store.nodes.len() + self.store.leaves.len()) as u64,
-            depth: self.depth,
-            bytes: (self.store.bytes() + self.names.bytes()) as u64,
+            triangles: u64::from(count),
+            unbuilt_triangles: if is_waiting { self.unbuilt() } else { 0 },
+            nodes: nodes as u64,
+            depth: self.tree.depth(),
+            bytes: bytes as u64,
             ..BuildStats::default()
         }
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::accel::bake;
-    use crate::accel::counters::Uncounted;
-    use crate::geometry::Interval;
-    use crate::scene::{Instance, Part, Scene, TriangleMesh};
-    use glam::{DAffine3, Mat3};
-
-    /// Numbers in -1..1 from a seed (SplitMix64).
-    pub(super) struct Numbers(pub(super) u64);
-
-    impl Numbers {
-        pub(super) fn next(&mut self) -> f32 {
-            self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-            let mut z = self.0;
-            z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-            z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-            ((z ^ (z >> 31)) >> 40) as f32 / (1 << 23) as f32 - 1.0
-        }
-
-        pub(super) fn point(&mut self) -> Vec3 {
-            Vec3::new(self.next(), self.next(), self.next())
-        }
-    }
-
-    /// Small triangles, needles through the whole, and a floor whose corners lie on a grid.
-    fn scene() -> Scene {
-        let mut numbers = Numbers(7);
-        let mut positions = Vec::new();
-        for _ in 0..4500 {
-            let middle = numbers.point();
-            positions.extend([0; 3].map(|_| middle + 0.1 * numbers.point()));
-        }
-        for _ in 0..100 {
-            let (a, b) = (numbers.point(), numbers.point());
-            positions.extend([a, b, b + 1e-4 * numbers.point()]);
-        }
-        for cell in 0..64 {
-            let corner = Vec3::new((cell % 8) as f32, 0.0, (cell / 8) as f32) * 0.25 - Vec3::ONE;
-            positions.extend([corner, corner + 0.25 * Vec3::X, corner + 0.25 * Vec3::Z]);
-        }
-        let count = positions.len() as u32 / 3;
-        let mesh = TriangleMesh {
-            positions,
-            triangles: (0..count).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect(),
-            parts: vec![Part {
-                first_triangle: 0,
-                triangle_count: count,
-                material: 0,
-            }],
-            ..TriangleMesh::default()
-        };
-        let instance = Instance::new("soup", 0, DAffine3::IDENTITY);
-        Scene {
-            meshes: vec![mesh],
-            instances: vec![instance],
-            ..Scene::default()
-        }
-    }
-
-    pub(super) fn set(quality: BspQuality) -> WideSet {
-        set_along(None, quality)
-    }
-
-    pub(super) fn set_along(axes: Option<Axes>, quality: BspQuality) -> WideSet {
-        WideSet::build_along(axes, &bake::bake(&scene()).sets[0], quality)
-    }
-
-    /// Axes unlike those of space.
-    pub(super) fn turned() -> Axes {
-        Axes::new(Mat3::from_axis_angle(Vec3::ONE.normalize(), 0.5))
-    }
-
-    /// From near and far, along axes and grid lines, of all lengths, and within bounds.
-    pub(super) fn rays() -> Vec<Ray> {
-        let mut numbers = Numbers(11);
-        (0..6000)
-            .map(|i| {
-                let on_grid = |v: Vec3| (v * 8.0).round() / 8.0;
-                let (mut from, mut to) = (2.0 * numbers.point(), numbers.point());
-                if i % 3 == 0 {
-                    (from, to) = (on_grid(from), on_grid(to));
-                }
-                if i % 5 == 0 {
-                    from *= 1000.0;
-                }
-                let scale = [1.0, 1e-9, 3e8, 1e-3][i % 4];
-                let mut ray = Ray::new(from, (to - from) * scale);
-                if i % 7 == 0 {
-                    let t = numbers.next().abs() / scale;
-                    ray = ray.within(Interval::new(0.1 * t, t));
-                }
-                ray
-            })
-            .collect()
-    }
-
-    #[test]
-    fn every_set_of_instructions_gives_the_answer_of_testing_everything() {
-        let rays = rays();
-        let along = |axes| BspQuality::ALL.map(|quality| (axes, quality));
-        for (axes, quality) in [None, Some(turned())].into_iter().flat_map(along) {
-            let mut tree = set_along(axes, quality);
-            let mut hits = 0;
-            for ray in &rays {
-                let mut nearest = Nearest::of(ray);
-                if ray.is_traceable() {
-                    tree.test_everything(ray, None, &mut nearest, &mut Uncounted);
-                }
-                let truth = nearest.hit();
-                hits += usize::from(truth.is_some());
-                for instructions in Instructions::available() {
-                    tree.instructions = instructions;
-                    let found = tree.closest_alone(ray, &mut Uncounted);
-                    assert_eq!(found, truth, "{instructions:?} {quality} {axes:?} {ray:?}");
-                    let any = tree.any_alone(ray, &mut Uncounted);
-                    assert_eq!(
-                        any,
-                        truth.is_some(),
-                        "{instructions:?} {quality} {axes:?} {ray:?}"
-                    );
-                }
-            }
-            assert!(hits > rays.len() / 3, "{hits} hits");
-        }
-    }
-
-    #[test]
-    fn the_tree_is_the_same_for_any_number_of_threads() {
-        let build = |threads| {
-            let pool = rayon::ThreadPoolBuilder::new()
-                .num_threads(threads)
-                .build()
-                .unwrap();
-            pool.install(|| set(BspQuality::Default))
-        };
-        let (one, four) = (build(1), build(4));
-        assert_eq!(*one.store.words, *four.store.words);
-        assert_eq!(one.store.nodes.len(), four.store.nodes.len());
-        for (a, b) in one.store.nodes.iter().zip(&*four.store.nodes) {
-            assert_eq!((a.bounds, a.children), (b.bounds, b.children));
-        }
-    }
-
-    #[test]
-    fn fragments_stay_within_their_allowance() {
-        let triangles = set(BspQuality::Fast).names.count() as usize;
-        let members = |quality| set(quality).store.all_triangles().count();
-        assert_eq!(members(BspQuality::Fast), triangles);
-        let default = members(BspQuality::Default);
-        assert!(triangles < default && default <= 2 * triangles, "{default}");
-        assert!(members(BspQuality::Best) <= 3 * triangles);
     }
 }

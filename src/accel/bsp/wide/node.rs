@@ -40,7 +40,8 @@ impl Node {
     }
 }
 
-/// A child: a node by its index; or a leaf by where its blocks begin, how many they are, and how many triangles the last has.
+/// A child: a node by its index; or a leaf by where its blocks begin, how many they are, and how many triangles the last has; or, in the place of a
+/// leaf, a way to another tree: a treelet by its index, or the one around.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Pod, Zeroable)]
 #[repr(transparent)]
 pub(super) struct Word(u32);
@@ -57,8 +58,15 @@ impl Word {
     pub(super) const MOST_NODES: u32 = (Self::LEAF - 1) / Self::NODE_UNITS;
     const BLOCKS: u32 = 29;
     const COUNT: u32 = 26;
+    const PLACES: u32 = (1 << Self::COUNT) - 1;
+    /// A leaf at these places is none, but leads to another tree.
+    const ELSEWHERE: u32 = 3 << (Self::COUNT - 2);
     /// Greatest place of a block.
-    pub(super) const MOST_PLACE: usize = (1 << Self::COUNT) - 1;
+    pub(super) const MOST_PLACE: usize = Self::ELSEWHERE as usize - 1;
+    /// Greatest index of a treelet.
+    const MOST_TREELETS: u32 = Self::PLACES - Self::ELSEWHERE - 1;
+    /// Leads out of a treelet, back to the tree around it.
+    pub(super) const OUT: Self = Self(Self::LEAF | Self::PLACES);
 
     pub(super) fn node(index: u32) -> Self {
         assert!(index <= Self::MOST_NODES, "too many nodes for a word");
@@ -78,6 +86,26 @@ impl Word {
                 | (last as u32) << Self::COUNT
                 | place as u32,
         )
+    }
+
+    /// The tree's treelet of this index.
+    pub(super) fn treelet(index: usize) -> Self {
+        assert!(
+            index <= Self::MOST_TREELETS as usize,
+            "too many treelets for a word"
+        );
+        Self(Self::LEAF | Self::ELSEWHERE | index as u32)
+    }
+
+    /// Of a leaf: whether it is none, but leads to another tree.
+    #[inline(always)]
+    pub(super) fn leads_elsewhere(self) -> bool {
+        self.0 & Self::ELSEWHERE == Self::ELSEWHERE
+    }
+
+    /// Index of the treelet to which it leads.
+    pub(super) fn treelet_index(self) -> usize {
+        (self.0 & Self::PLACES & !Self::ELSEWHERE) as usize
     }
 
     #[inline(always)]
@@ -104,7 +132,7 @@ impl Word {
     /// Where a leaf's blocks begin, in units of [`LINE`](super::store::LINE) words.
     #[inline(always)]
     pub(super) fn place(self) -> usize {
-        self.0 as usize & Self::MOST_PLACE
+        (self.0 & Self::PLACES) as usize
     }
 
     /// How many blocks a leaf has before its last: they are full.

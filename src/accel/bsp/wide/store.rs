@@ -8,6 +8,7 @@ use glam::Vec3;
 
 use super::node::{Node, WIDTH, Word};
 use super::pages::Pages;
+use super::treelet::Treelet;
 use crate::geometry::Triangle;
 
 /// Words that a place counts: leaves begin at multiples of it.
@@ -23,20 +24,22 @@ pub(super) const ROWS: usize = 10;
 pub(super) const FULL_BLOCK: usize = HEADER + ROWS * WIDTH;
 
 /// Nodes and blocks, while they are written.
-#[derive(Debug, Default)]
+#[derive(Default)]
 pub(super) struct Draft {
     nodes: Vec<Node>,
     words: Vec<u32>,
     leaves: Vec<Word>,
+    treelets: Vec<Treelet>,
 }
 
 /// Nodes and blocks.
-#[derive(Debug)]
 pub(super) struct Store {
     pub(super) nodes: Pages<Node>,
     pub(super) words: Pages<u32>,
     /// All leaves, for rays that must be tested against everything.
     pub(super) leaves: Vec<Word>,
+    /// What is divided when a ray reaches it.
+    pub(super) treelets: Vec<Treelet>,
 }
 
 impl Draft {
@@ -91,6 +94,12 @@ impl Draft {
         leaf
     }
 
+    /// Appends what waits for a ray.
+    pub(super) fn push_treelet(&mut self, treelet: Treelet) -> Word {
+        self.treelets.push(treelet);
+        Word::treelet(self.treelets.len() - 1)
+    }
+
     /// Appends a leaf of these numbers alone.
     pub(super) fn push_numbers(&mut self, numbers: &[u32]) -> Word {
         self.words
@@ -104,10 +113,12 @@ impl Draft {
     pub(super) fn finish(mut self) -> Store {
         self.words.extend([0; WIDTH]);
         self.leaves.shrink_to_fit();
+        self.treelets.shrink_to_fit();
         Store {
             nodes: Pages::new(self.nodes),
             words: Pages::new(self.words),
             leaves: self.leaves,
+            treelets: self.treelets,
         }
     }
 }
@@ -119,7 +130,7 @@ impl Store {
         &self.words[leaf.place() * LINE..][..count]
     }
 
-    /// Every triangle with its number; some more than once.
+    /// Every triangle of a leaf with its number; some more than once.
     pub(super) fn all_triangles(&self) -> impl Iterator<Item = (u32, Triangle)> + '_ {
         let words = &*self.words;
         self.leaves.iter().flat_map(move |&leaf| {
@@ -141,7 +152,11 @@ impl Store {
         })
     }
 
+    /// Without what is in the treelets.
     pub(super) fn bytes(&self) -> usize {
-        size_of_val(&*self.nodes) + size_of_val(&*self.words) + size_of_val(&*self.leaves)
+        size_of_val(&*self.nodes)
+            + size_of_val(&*self.words)
+            + size_of_val(&*self.leaves)
+            + size_of_val(&*self.treelets)
     }
 }

@@ -5,8 +5,8 @@
 
 use glam::Vec3;
 
-use super::build::{Builder, Plan};
-use super::collapse;
+use super::build::{Builder, Corners, Plan, Rest};
+use super::collapse::{self, Ends};
 use super::fragment::{Extent, Fragment};
 use super::node::Word;
 use super::simd::{self, Instructions, Tree};
@@ -37,6 +37,19 @@ pub(in crate::accel) struct WideTop {
 /// very uneven scale, or very far from their own origin, have more.
 const LARGEST_MARGIN: f64 = 1.0;
 
+/// Leaves of the numbers of placements.
+struct Numbers;
+
+impl Ends for Numbers {
+    fn leaf(&self, members: &[u32], draft: &mut Draft) -> Word {
+        draft.push_numbers(members)
+    }
+
+    fn later(&self, _: Rest, _: u32, _: &mut Draft) -> Word {
+        unreachable!("the tree over placements is built at once")
+    }
+}
+
 impl WideTop {
     pub(in crate::accel) fn build(placements: &[Placement]) -> Self {
         let bounds = placements
@@ -61,12 +74,13 @@ impl WideTop {
         let (mut root, mut depth) = (None, 0);
         if !fragments.is_empty() {
             let builder = Builder {
-                corners: &[],
+                corners: Corners::Unknown,
                 plan: Plan::OF_PLACEMENTS,
+                later: None,
+                is_shared: true,
             };
-            let tree = builder.build_over(fragments);
-            let leaf = |numbers: &[u32], draft: &mut Draft| draft.push_numbers(numbers);
-            let (word, levels) = collapse::write(&tree, &leaf, &mut draft);
+            let tree = builder.build(builder.undivided(fragments));
+            let (word, levels) = collapse::write(&tree, 0, &Numbers, &mut draft);
             (root, depth) = (Some(word), levels);
         }
         Self {

@@ -12,6 +12,7 @@ mod depth;
 mod edges;
 mod group;
 mod kernel;
+mod nested;
 mod parts;
 mod portable;
 mod search;
@@ -26,6 +27,7 @@ mod together_closest;
 #[cfg(target_arch = "x86_64")]
 mod vectors;
 
+pub(super) use nested::MOST_NESTED;
 pub(super) use parts::parts;
 pub(super) use stack::MOST_DEPTH;
 pub(super) use table::GROUP;
@@ -154,6 +156,13 @@ impl<'a> Tree<'a> {
             root,
             reach,
         }
+    }
+
+    /// One of its treelets, as another tree.
+    #[inline(never)]
+    fn treelet(&self, word: Word) -> Self {
+        let inside = self.store.treelets[word.treelet_index()].get();
+        Self::new(&inside.store, inside.root, self.reach)
     }
 
     /// The node that a word names.

@@ -2,6 +2,7 @@
 
 use super::super::walk::{LaneRay, WalkRay};
 use super::kernel::{BlockRay, Lanes, NodeRay};
+use super::nested::Outside;
 use super::search::{Search, triangle};
 use super::stack::{Promising, Stack};
 use super::{Found, Occluded, Passed, Tree};
@@ -14,7 +15,7 @@ use crate::geometry::{Ray, RayFrame, is_beside};
 /// As for [`Lanes`].
 #[inline(always)]
 pub(super) unsafe fn closest<L: Lanes, C: Counter>(
-    tree: Tree<'_>,
+    mut tree: Tree<'_>,
     ray: &Ray,
     passed: Passed,
     counter: &mut C,
@@ -26,6 +27,7 @@ pub(super) unsafe fn closest<L: Lanes, C: Counter>(
     let mut search = Search::new(ray, &lane_ray, passed);
     let mut last = ray.interval.max * walk.per_t;
     let mut stack = Stack::new();
+    let mut outside = Outside::new();
     let mut current = tree.root;
     // SAFETY: the caller's promise; words of the tree name its nodes
     // and blocks; the stack is as high as the tree's depth allows, and read only where it was written.
@@ -33,7 +35,13 @@ pub(super) unsafe fn closest<L: Lanes, C: Counter>(
         let node_ray = NodeRay::<L>::new(&walk, ray.interval.min * walk.per_t);
         let mut last_lanes = L::splat(last);
         loop {
-            if current.is_leaf() {
+            if current.is_leaf() && current.leads_elsewhere() {
+                if outside.go(&mut tree, current) {
+                    stack.wait_outside();
+                    current = tree.root;
+                    continue;
+                }
+            } else if current.is_leaf() {
                 counter.leaf();
                 let block_ray = BlockRay::<L>::new(&lane_ray);
                 let mut blocks = tree.blocks(current);
@@ -151,7 +159,7 @@ pub(super) unsafe fn meets_any(
 /// As for [`Lanes`].
 #[inline(always)]
 pub(super) unsafe fn any<L: Lanes, C: Counter>(
-    tree: Tree<'_>,
+    mut tree: Tree<'_>,
     ray: &Ray,
     counter: &mut C,
 ) -> Occluded {
@@ -161,6 +169,7 @@ pub(super) unsafe fn any<L: Lanes, C: Counter>(
     let lane_ray = LaneRay::new(ray, &walk);
     let ends = lane_ray.ends(ray.interval.min, ray.interval.max);
     let mut stack = Promising::new();
+    let mut outside = Outside::new();
     let mut current = tree.root;
     let interval = ray.interval;
     // SAFETY: as in `closest`.
@@ -168,7 +177,13 @@ pub(super) unsafe fn any<L: Lanes, C: Counter>(
         let node_ray = NodeRay::<L>::new(&walk, interval.min * walk.per_t);
         let last = L::splat(interval.max * walk.per_t);
         loop {
-            if current.is_leaf() {
+            if current.is_leaf() && current.leads_elsewhere() {
+                if outside.go(&mut tree, current) {
+                    stack.wait_outside();
+                    current = tree.root;
+                    continue;
+                }
+            } else if current.is_leaf() {
                 counter.leaf();
                 let block_ray = BlockRay::<L>::new(&lane_ray);
                 let mut blocks = tree.blocks(current);

@@ -27,6 +27,14 @@ pub(super) struct Waiting {
     pub(super) active: u64,
 }
 
+impl Waiting {
+    /// Whether it is the mark of [`Children::wait_outside`].
+    #[inline(always)]
+    pub(super) fn leads_out(&self) -> bool {
+        self.node.is_null()
+    }
+}
+
 /// The children that wait, the next one last.
 pub(super) struct Children {
     waiting: [MaybeUninit<Waiting>; STACK],
@@ -77,6 +85,23 @@ impl Children {
             }
             self.height += 1;
         }
+    }
+
+    /// What waits so far waits outside of a treelet.
+    ///
+    /// # Safety
+    /// As for `push`.
+    #[inline(always)]
+    pub(super) unsafe fn wait_outside(&mut self) {
+        let mark = Waiting {
+            node: std::ptr::null(),
+            lane: 0,
+            from: f32::NEG_INFINITY,
+            active: 0,
+        };
+        // SAFETY: the caller's promise.
+        unsafe { self.waiting.get_unchecked_mut(self.height).write(mark) };
+        self.height += 1;
     }
 
     /// # Safety

@@ -4,6 +4,7 @@ use super::super::node::{WIDTH, Word};
 use super::Tree;
 use super::group::{Group, Visit, visit_groups};
 use super::kernel::Lanes;
+use super::nested::Outside;
 use super::single::meets_any;
 use super::stack::Promising;
 use super::table::{GROUP, Table};
@@ -52,13 +53,14 @@ pub(super) unsafe fn any_together<L: Lanes>(
 /// As for [`Lanes`].
 #[inline(always)]
 unsafe fn any_of_group<L: Lanes>(
-    tree: Tree<'_>,
+    mut tree: Tree<'_>,
     group: Group<'_, L>,
     table: &Table,
     rays: &[Ray],
 ) -> u64 {
     let all = table.places();
     let mut children = Children::new();
+    let mut outside = Outside::new();
     // SAFETY: the caller's promise.
     let order = unsafe { L::load(LAST_FIRST.as_ptr()) };
     let (mut current, mut active) = (tree.root, all);
@@ -75,6 +77,12 @@ unsafe fn any_of_group<L: Lanes>(
                 }
                 if occluded == all {
                     return occluded;
+                }
+            } else if current.is_leaf() && current.leads_elsewhere() {
+                if outside.go(&mut tree, current) {
+                    children.wait_outside();
+                    current = tree.root;
+                    continue;
                 }
             } else if current.is_leaf() {
                 let mut blocks = tree.blocks(current);
@@ -99,6 +107,10 @@ unsafe fn any_of_group<L: Lanes>(
                 let Some(next) = children.pop() else {
                     return occluded;
                 };
+                if next.leads_out() {
+                    outside.go(&mut tree, Word::OUT);
+                    continue;
+                }
                 let (node, lane) = (&*next.node, next.lane as usize);
                 active = group.entering(node, lane, next.active & !occluded);
                 if active != 0 {
@@ -116,7 +128,7 @@ unsafe fn any_of_group<L: Lanes>(
 /// As for [`Lanes`]; `place` has a ray.
 #[inline(always)]
 unsafe fn any_alone<L: Lanes>(
-    tree: Tree<'_>,
+    mut tree: Tree<'_>,
     word: Word,
     place: usize,
     group: &Group<'_, L>,
@@ -124,6 +136,7 @@ unsafe fn any_alone<L: Lanes>(
     rays: &[Ray],
 ) -> bool {
     let mut stack = Promising::new();
+    let mut outside = Outside::new();
     let mut current = word;
     // SAFETY: as in `closest_of_group`.
     unsafe {
@@ -133,7 +146,13 @@ unsafe fn any_alone<L: Lanes>(
         let ends = bundle.ends(lane);
         let last = L::splat(ends[1]);
         loop {
-            if current.is_leaf() {
+            if current.is_leaf() && current.leads_elsewhere() {
+                if outside.go(&mut tree, current) {
+                    stack.wait_outside();
+                    current = tree.root;
+                    continue;
+                }
+            } else if current.is_leaf() {
                 let block_ray = bundle.block_ray(lane, &group.frame);
                 let mut blocks = tree.blocks(current);
                 loop {

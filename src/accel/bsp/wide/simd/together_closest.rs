@@ -3,6 +3,7 @@
 use super::super::node::{WIDTH, Word};
 use super::group::{Group, Visit, visit_groups};
 use super::kernel::Lanes;
+use super::nested::Outside;
 use super::searches::Searches;
 use super::stack::Stack;
 use super::table::Table;
@@ -44,7 +45,7 @@ pub(super) unsafe fn closest_together<L: Lanes>(
 /// As for [`Lanes`].
 #[inline(always)]
 unsafe fn closest_of_group<L: Lanes>(
-    tree: Tree<'_>,
+    mut tree: Tree<'_>,
     group: Group<'_, L>,
     table: &Table,
     rays: &[Ray],
@@ -52,6 +53,7 @@ unsafe fn closest_of_group<L: Lanes>(
 ) {
     let mut searches = Searches::new(group, table, rays);
     let mut children = Children::new();
+    let mut outside = Outside::new();
     let (mut current, mut active) = (tree.root, table.places());
     // SAFETY: the caller's promise; words of the tree name its nodes and blocks; the stack is as high as the tree's depth allows, and read
     // only where it was written.
@@ -62,6 +64,12 @@ unsafe fn closest_of_group<L: Lanes>(
                     let place = active.trailing_zeros() as usize;
                     active &= active - 1;
                     closest_alone(tree, current, place, &mut searches);
+                }
+            } else if current.is_leaf() && current.leads_elsewhere() {
+                if outside.go(&mut tree, current) {
+                    children.wait_outside();
+                    current = tree.root;
+                    continue;
                 }
             } else if current.is_leaf() {
                 let mut blocks = tree.blocks(current);
@@ -82,6 +90,10 @@ unsafe fn closest_of_group<L: Lanes>(
                     searches.finish(found);
                     return;
                 };
+                if next.leads_out() {
+                    outside.go(&mut tree, Word::OUT);
+                    continue;
+                }
                 let (node, lane) = (&*next.node, next.lane as usize);
                 active = searches.group.entering(node, lane, next.active);
                 if active != 0 {
@@ -99,20 +111,27 @@ unsafe fn closest_of_group<L: Lanes>(
 /// As for [`Lanes`]; `place` has a ray.
 #[inline(always)]
 unsafe fn closest_alone<L: Lanes>(
-    tree: Tree<'_>,
+    mut tree: Tree<'_>,
     word: Word,
     place: usize,
     searches: &mut Searches<'_, L>,
 ) {
     let (index, lane) = (place / WIDTH, place % WIDTH);
     let mut stack = Stack::new();
+    let mut outside = Outside::new();
     let mut current = word;
     // SAFETY: as in `closest_of_group`.
     unsafe {
         let node_ray = searches.group.bundles[index].node_ray(lane, &searches.group.frame);
         loop {
             let last = searches.group.bundles[index].last.lane(lane);
-            if current.is_leaf() {
+            if current.is_leaf() && current.leads_elsewhere() {
+                if outside.go(&mut tree, current) {
+                    stack.wait_outside();
+                    current = tree.root;
+                    continue;
+                }
+            } else if current.is_leaf() {
                 let block_ray =
                     searches.group.bundles[index].block_ray(lane, &searches.group.frame);
                 let mut blocks = tree.blocks(current);
