@@ -7,7 +7,7 @@ use anyhow::{Context, bail};
 use bspray::accel::AcceleratorKind;
 use bspray::accel::bsp::polygon::SceneTrees;
 use bspray::geometry::TriangleTest;
-use bspray::render::{Integrator, LightSearch, PixelFilter, PixelRect, RenderOptions};
+use bspray::render::{Integrator, LightSearch, NoiseGoal, PixelFilter, PixelRect, RenderOptions};
 use bspray::scene::Scene;
 use clap::{Args, ValueEnum};
 
@@ -23,7 +23,7 @@ use super::model_args::ModelArgs;
 use super::motion::{self, Neighbors};
 use super::overlay_args::OverlayArgs;
 use super::savings_args::SavingsArgs;
-use super::shot::Studio;
+use super::shot::{self, Studio};
 use super::summary::Seconds;
 use super::tev::Server;
 use super::values::{self, CropWindow, PixelBounds};
@@ -31,6 +31,9 @@ use super::{Done, UsageError, output, progress};
 
 /// Samples a pixel if nothing else is said.
 const DEFAULT_SAMPLES: u32 = 16;
+
+/// Most samples a pixel where a noise is asked for, if nothing else is said.
+const MOST_ADAPTIVE_SAMPLES: u32 = 1024;
 
 /// Arguments of `bspray render`.
 #[derive(Args, Debug)]
@@ -43,7 +46,7 @@ pub(super) struct RenderArgs {
     /// Width and height of the picture, in pixels
     #[arg(long, value_name = "WxH", value_parser = values::resolution, default_value = "1280x720")]
     pub(super) resolution: (u32, u32),
-    /// Samples a pixel; with --time-limit the most of them [default: 16, or with --time-limit 1048576]
+    /// Samples a pixel; with --time-limit or --noise the most of them [default: 16, with --noise 1024, with --time-limit 1048576]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=values::MOST_SAMPLES))]
     spp: Option<u32>,
     /// End with the samples that every pixel has by then; one at least
@@ -224,6 +227,7 @@ pub(super) fn run(args: &RenderArgs) -> anyhow::Result<Done> {
         .frames
         .shots(&args.output, models, args.pixel.is_some())?;
     let has_layers = shots.iter().any(Shot::has_layers);
+    let is_simplified = args.savings.lod.is_some();
     if args.bsp_layers && !has_layers && args.pixel.is_none() {
         let words = "--bsp-layers: only .exr files have layers: add one with --output";
         bail!(UsageError(words.to_owned()));
@@ -240,7 +244,8 @@ pub(super) fn run(args: &RenderArgs) -> anyhow::Result<Done> {
         .map(|address| Server::connect(address, args.quiet))
         .transpose()?;
     let started = Instant::now();
-    let (mut scene, neighbors) = motion::load(&args.input, &args.frames, has_layers)?;
+    let (mut scene, neighbors) =
+        motion::load(&args.input, &args.frames, has_layers && !is_simplified)?;
     let environment = args.environment.environment(args.camera.up())?;
     // So that it is not written over.
     scene
@@ -266,6 +271,13 @@ pub(super) fn run(args: &RenderArgs) -> anyhow::Result<Done> {
         .build()
         .context("cannot start threads")?;
     let integrator = integrator(args, &scene);
+    args.savings.check(integrator)?;
+    let middle = scene.bounds().center().as_dvec3();
+    let views = shot::views(args, (&camera, middle), &shots)?;
+    let (scene, detail) = pool.install(|| args.savings.simplify(scene, views, args.resolution));
+    if let Some(detail) = detail.as_ref().filter(|_| !args.quiet) {
+        detail.tell(has_layers);
+    }
     let shows_trees = integrator.shows_trees() || args.bsp_layers;
     let started = Instant::now();
     let trees = args.bsp.options(args.seed);
@@ -285,7 +297,12 @@ pub(super) fn run(args: &RenderArgs) -> anyhow::Result<Done> {
         window,
         samples: args.spp.unwrap_or(match args.time_limit {
             Some(_) => values::MOST_SAMPLES as u32,
+            None if args.savings.noise.is_some() => MOST_ADAPTIVE_SAMPLES,
             None => DEFAULT_SAMPLES,
+        }),
+        noise: args.savings.noise.map(|level| NoiseGoal {
+            level,
+            exposure: args.display.exposure_factor(),
         }),
         seed: args.seed,
         integrator,
@@ -298,7 +315,9 @@ pub(super) fn run(args: &RenderArgs) -> anyhow::Result<Done> {
         scene: &scene,
         environment,
         camera,
+        middle,
         neighbors,
+        detail,
         camera_flags,
         trees,
         options,
