@@ -220,6 +220,7 @@ fn picture(stage: &Stage, integrator: Integrator) -> Film {
             height: SIZE.1,
         },
         samples: SAMPLES,
+        noise: None,
         seed: 0,
         integrator,
         filter: PixelFilter::BlackmanHarris,

@@ -31,6 +31,7 @@
 //!     size: (64, 64),
 //!     window: PixelRect { x: 0, y: 0, width: 64, height: 64 },
 //!     samples: 4,
+//!     noise: None,
 //!     seed: 0,
 //!     integrator: Integrator::Direct,
 //!     filter: PixelFilter::Box,

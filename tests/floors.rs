@@ -26,7 +26,11 @@ const HOMES: &[(&str, &[&str])] = &[
     ("image", &["picture/ldr.rs"]),
     ("tobj", &["import/obj/"]),
     ("gltf", &["import/gltf/"]),
-    ("meshopt", &["import/gltf/meshopt_views.rs"]),
+    // Decodes buffers in one file, and simplifies meshes in the other.
+    (
+        "meshopt",
+        &["import/gltf/meshopt_views.rs", "scene/detail/simplify.rs"],
+    ),
     ("draco_core", &["import/gltf/draco.rs"]),
     ("basisu", &["import/gltf/ktx2.rs"]),
     ("earcut", &["import/obj/"]),

@@ -27,6 +27,11 @@ pub(super) struct DisplayArgs {
 }
 
 impl DisplayArgs {
+    /// What light is multiplied by.
+    pub(super) fn exposure_factor(&self) -> f32 {
+        exposure_factor(self.exposure)
+    }
+
     fn tonemap_of(&self, integrator: Integrator) -> ToneMap {
         self.tonemap.unwrap_or(if integrator.computes_light() {
             ToneMap::PbrNeutral
@@ -43,7 +48,7 @@ impl DisplayArgs {
         integrator: Integrator,
     ) -> Raster {
         let tonemap = self.tonemap_of(integrator);
-        let factor = exposure_factor(self.exposure);
+        let factor = self.exposure_factor();
         let means = film.map(|pixel| {
             let mean = pixel.sum.mean();
             (mean.color, mean.alpha)
@@ -72,7 +77,7 @@ impl DisplayArgs {
         overlay: Option<&Overlay>,
     ) -> Raster {
         let tonemap = self.tonemap_of(integrator);
-        let factor = exposure_factor(self.exposure);
+        let factor = self.exposure_factor();
         let mut pixels: Vec<_> = light(film, denoised)
             .into_iter()
             .map(|light| tonemap.apply((light * factor).to_array()))

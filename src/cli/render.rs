@@ -8,7 +8,7 @@ use bspray::accel::AcceleratorKind;
 use bspray::accel::bsp::polygon::SceneTrees;
 use bspray::geometry::TriangleTest;
 use bspray::import::TextureNeeds;
-use bspray::render::{Integrator, LightSearch, PixelFilter, PixelRect, RenderOptions};
+use bspray::render::{Integrator, LightSearch, NoiseGoal, PixelFilter, PixelRect, RenderOptions};
 use bspray::scene::Scene;
 use clap::{Args, ValueEnum};
 
@@ -24,7 +24,7 @@ use super::model_args::{ModelArgs, Wants};
 use super::motion::{self, Neighbors};
 use super::overlay_args::OverlayArgs;
 use super::savings_args::SavingsArgs;
-use super::shot::Studio;
+use super::shot::{self, Studio};
 use super::summary::Seconds;
 use super::tev::Server;
 use super::values::{self, CropWindow, PixelBounds};
@@ -32,6 +32,9 @@ use super::{Done, UsageError, output, progress};
 
 /// Samples a pixel if nothing else is said.
 const DEFAULT_SAMPLES: u32 = 16;
+
+/// Most samples a pixel where a noise is asked for, if nothing else is said.
+const MOST_ADAPTIVE_SAMPLES: u32 = 1024;
 
 /// Arguments of `bspray render`.
 #[derive(Args, Debug)]
@@ -44,7 +47,7 @@ pub(super) struct RenderArgs {
     /// Width and height of the picture, in pixels
     #[arg(long, value_name = "WxH", value_parser = values::resolution, default_value = "1280x720")]
     pub(super) resolution: (u32, u32),
-    /// Samples a pixel; with --time-limit the most of them [default: 16, or with --time-limit 1048576]
+    /// Samples a pixel; with --time-limit or --noise the most of them [default: 16, with --noise 1024, with --time-limit 1048576]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=values::MOST_SAMPLES))]
     spp: Option<u32>,
     /// End with the samples that every pixel has by then; one at least
@@ -225,6 +228,7 @@ pub(super) fn run(args: &RenderArgs) -> anyhow::Result<Done> {
         .frames
         .shots(&args.output, models, args.pixel.is_some())?;
     let has_layers = shots.iter().any(Shot::has_layers);
+    let is_simplified = args.savings.lod.is_some();
     if args.bsp_layers && !has_layers && args.pixel.is_none() {
         let words = "--bsp-layers: only .exr files have layers: add one with --output";
         bail!(UsageError(words.to_owned()));
@@ -242,7 +246,8 @@ pub(super) fn run(args: &RenderArgs) -> anyhow::Result<Done> {
         .transpose()?;
     let started = Instant::now();
     let wants = wants(args, has_layers);
-    let (mut scene, neighbors) = motion::load(&args.input, &args.frames, has_layers, wants)?;
+    let (mut scene, neighbors) =
+        motion::load(&args.input, &args.frames, has_layers && !is_simplified, wants)?;
     let environment = args.environment.environment(args.camera.up())?;
     // So that it is not written over.
     scene
@@ -269,6 +274,13 @@ pub(super) fn run(args: &RenderArgs) -> anyhow::Result<Done> {
         .build()
         .context("cannot start threads")?;
     let integrator = integrator(args, &scene);
+    args.savings.check(integrator)?;
+    let middle = scene.bounds().center().as_dvec3();
+    let views = shot::views(args, (&camera, middle), &shots)?;
+    let (scene, detail) = pool.install(|| args.savings.simplify(scene, views, args.resolution));
+    if let Some(detail) = detail.as_ref().filter(|_| !args.quiet) {
+        detail.tell(has_layers);
+    }
     let shows_trees = integrator.shows_trees() || args.bsp_layers;
     let started = Instant::now();
     let trees = args.bsp.options(args.seed);
@@ -288,7 +300,12 @@ pub(super) fn run(args: &RenderArgs) -> anyhow::Result<Done> {
         window,
         samples: args.spp.unwrap_or(match args.time_limit {
             Some(_) => values::MOST_SAMPLES as u32,
+            None if args.savings.noise.is_some() => MOST_ADAPTIVE_SAMPLES,
             None => DEFAULT_SAMPLES,
+        }),
+        noise: args.savings.noise.map(|level| NoiseGoal {
+            level,
+            exposure: args.display.exposure_factor(),
         }),
         seed: args.seed,
         integrator,
@@ -301,7 +318,9 @@ pub(super) fn run(args: &RenderArgs) -> anyhow::Result<Done> {
         scene: &scene,
         environment,
         camera,
+        middle,
         neighbors,
+        detail,
         camera_flags,
         trees,
         options,

@@ -9,7 +9,8 @@ use bspray::accel::{Accelerator, AcceleratorKind, BspQuality, BuildOptions, Buil
 use bspray::analysis::{Needs, Used, Watched};
 use bspray::picture;
 use bspray::render::{self, Environment, Film, RenderOptions, Stage};
-use bspray::scene::{Camera, Scene};
+use bspray::scene::{Camera, CameraFrame, Scene};
+use glam::DVec3;
 use serde_json::{Value, json};
 
 use super::display::light;
@@ -17,6 +18,7 @@ use super::files::OutputKind;
 use super::frames::{Shot, Turn};
 use super::motion::{Around, Neighbors};
 use super::render::RenderArgs;
+use super::savings_args::Detail;
 use super::summary::{RenderSummary, Seconds};
 use super::tev::Server;
 use super::{Done, camera_args, metadata, output, pixel, progress};
@@ -29,8 +31,12 @@ pub(super) struct Studio<'a> {
     pub(super) environment: Option<Arc<Environment>>,
     /// Where the first picture is taken from.
     pub(super) camera: Camera,
+    /// What a turntable goes around.
+    pub(super) middle: DVec3,
     /// The moments of an animation beside this one, for motion vectors.
     pub(super) neighbors: Option<Neighbors>,
+    /// What was simplified, if anything was to be.
+    pub(super) detail: Option<Detail>,
     pub(super) camera_flags: String,
     pub(super) trees: Option<SceneTrees>,
     pub(super) options: RenderOptions,
@@ -91,6 +97,25 @@ impl Shot {
     }
 }
 
+/// Where pictures of a camera are taken from, or those of a turntable around a middle.
+///
+/// # Errors
+/// The camera is impossible.
+pub(super) fn views(
+    args: &RenderArgs,
+    (camera, middle): (&Camera, DVec3),
+    shots: &[Shot],
+) -> anyhow::Result<Vec<CameraFrame>> {
+    let axis = args.camera.up().as_dvec3();
+    let view = |shot: &Shot| {
+        let turned = shot.turn;
+        let turned = turned.map(|turn| camera.turned_around(middle, axis, turn.angle(0.0)));
+        let view = camera_args::view(turned.as_ref().unwrap_or(camera), args.resolution, 0.0)?;
+        Ok(args.lens.add_to(view.camera, camera))
+    };
+    shots.iter().map(view).collect()
+}
+
 impl Studio<'_> {
     /// Takes all pictures, and ends early with one that a signal left partial.
     pub(super) fn take(&self, shots: &[Shot]) -> anyhow::Result<Done> {
@@ -142,14 +167,15 @@ impl Studio<'_> {
 
     /// The camera of a turntable, `later` frames after a place on it.
     fn turned(&self, turn: Turn, later: f64) -> Camera {
-        let middle = self.scene.bounds().center().as_dvec3();
         let axis = self.args.camera.up().as_dvec3();
-        self.camera.turned_around(middle, axis, turn.angle(later))
+        self.camera
+            .turned_around(self.middle, axis, turn.angle(later))
     }
 
     /// The frames beside a picture, if it is one of several.
     fn around(&self, shot: &Shot) -> anyhow::Result<Option<Around<'_>>> {
         let (scenes, cameras) = match (shot.turn, &self.neighbors) {
+            _ if self.detail.is_some() => return Ok(None),
             (Some(turn), _) if turn.moves() => {
                 let cameras = [-1.0, 1.0].map(|later| self.turned(turn, later));
                 ([self.scene; 2], cameras)
@@ -232,6 +258,7 @@ impl Studio<'_> {
         }
         if args.savings.exhaustive {
             self.pool.install(|| stage.textures.build_all(self.scene));
+            stage = stage.exhaustively();
         }
         Staged {
             stage,
@@ -282,6 +309,7 @@ impl Studio<'_> {
             build,
             needs: staged.used.map(needs),
             film: &film,
+            detail: self.detail.as_ref(),
             options: &self.options,
             threads: self.pool.current_num_threads(),
             seconds,
@@ -341,6 +369,10 @@ impl Studio<'_> {
             let written = self.pool.install(|| match kind {
                 OutputKind::Exr => {
                     let layers = render::layers(film, &view.camera);
+                    let layers = match &self.detail {
+                        Some(_) => render::without_triangles(layers),
+                        None => layers,
+                    };
                     let layers = render::add_mattes(layers, film, self.scene);
                     let layers = match &around {
                         Some(around) => around.add_to(layers, film, self.scene, &view.camera),

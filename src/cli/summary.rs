@@ -10,6 +10,7 @@ use bspray::scene::Scene;
 use serde_json::{Value, json};
 
 use super::needs_report;
+use super::savings_args::{Detail, NoiseReport};
 
 /// Wall-clock times.
 #[derive(Clone, Copy, Debug)]
@@ -33,6 +34,8 @@ pub(super) struct RenderSummary<'a> {
     /// What the picture used of its scene, if that was watched.
     pub(super) needs: Option<Needs>,
     pub(super) film: &'a Film,
+    /// What was simplified, if anything was to be.
+    pub(super) detail: Option<&'a Detail>,
     pub(super) options: &'a RenderOptions,
     pub(super) threads: usize,
     pub(super) seconds: Seconds,
@@ -81,6 +84,17 @@ impl RenderSummary<'_> {
             self.output_list(),
             super::render::describe(self.scene)
         )
+    }
+
+    /// What was asked of the noise, and what it took, if anything was.
+    fn noise(&self) -> Option<NoiseReport> {
+        let area = self.film.window.area();
+        self.options.noise.map(|goal| NoiseReport {
+            level: goal.level,
+            mean_samples: self.film.samples() as f64 / area as f64,
+            uniform_samples: area * u64::from(self.options.samples),
+            unreached_pixels: self.film.open_pixels(),
+        })
     }
 
     /// Rows of a name and a value.
@@ -141,17 +155,21 @@ impl RenderSummary<'_> {
                 format!("{:.2}", self.per_ray(cost.primitives)),
             ),
         ];
-        let rows = rows.iter();
-        let rows = rows.map(|(name, value)| format!("{name:<24}{value}\n"));
+        let detail = self.detail.map(Detail::rows);
+        let noise = self.noise().map(|noise| noise.rows());
+        let rows = (rows.iter())
+            .chain(detail.iter().flatten())
+            .chain(noise.iter().flatten())
+            .map(|(name, value)| format!("{name:<24}{value}\n"));
         let needs = self.needs.iter().map(needs_report::table);
         rows.chain(needs.map(|table| format!("\n{table}")))
             .collect()
     }
 
-    /// Samples that every pixel got; of a picture that a signal ended, those that it should have got.
+    /// Samples that every pixel got, or the most where noise decides; of a picture that a signal ended, those that it should have got.
     pub(super) fn samples_per_pixel(&self) -> u64 {
         if self.film.is_complete {
-            self.film.samples() / self.film.window.area()
+            u64::from(self.film.most_samples())
         } else {
             u64::from(self.options.samples)
         }
@@ -194,6 +212,8 @@ impl RenderSummary<'_> {
                 "depth": self.build.depth,
                 "bytes": self.build.bytes,
             },
+            "noise": self.noise().map(|noise| noise.value()),
+            "lod": self.detail.map(Detail::value),
             "seconds": {
                 "load": self.seconds.load,
                 "build": self.seconds.build,

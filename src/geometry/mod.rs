@@ -8,6 +8,7 @@ mod aabb;
 mod bounding_sphere;
 mod facet;
 mod interval;
+mod nearest;
 mod ray;
 mod ray_frame;
 pub mod tolerance;

@@ -39,6 +39,8 @@ pub struct Layer {
     pub name: &'static str,
     /// What it holds, with unit and space.
     pub description: &'static str,
+    /// Whether it tells what rays meet, or how they find it, so that it is not true of meshes that were simplified.
+    pub is_of_triangles: bool,
     pub(super) channels: &'static [(&'static str, Value)],
 }
 
@@ -70,6 +72,7 @@ pub const LAYERS: &[Layer] = &[
     Layer {
         name: "beauty",
         description: "linear radiance of surfaces, multiplied by coverage; A is the coverage, 0 to 1",
+        is_of_triangles: false,
         channels: &[
             ("R", Value::Float(|pixel| pixel.mean().color.x)),
             ("G", Value::Float(|pixel| pixel.mean().color.y)),
@@ -80,26 +83,31 @@ pub const LAYERS: &[Layer] = &[
     Layer {
         name: "direct",
         description: "the part of the beauty that came from a light, or from the surface's own, without meeting another surface",
+        is_of_triangles: false,
         channels: rgb!("direct", Float, pixel => pixel.mean().direct),
     },
     Layer {
         name: "indirect",
         description: "the part of the beauty that met further surfaces on its way",
+        is_of_triangles: false,
         channels: rgb!("indirect", Float, pixel => pixel.mean().indirect),
     },
     Layer {
         name: "diffuse_albedo",
         description: "share of white light that the surface throws back in all directions, 0 to 1, multiplied by coverage",
+        is_of_triangles: false,
         channels: rgb!("diffuse_albedo", Half, pixel => pixel.mean().diffuse_albedo),
     },
     Layer {
         name: "specular_albedo",
         description: "share of white light that the surface mirrors, sharply or not, or lets through, 0 to 1, multiplied by coverage",
+        is_of_triangles: false,
         channels: rgb!("specular_albedo", Half, pixel => pixel.mean().specular_albedo),
     },
     Layer {
         name: "denoise_albedo",
         description: "sum of both albedos, 0 to 1: what denoisers ask for",
+        is_of_triangles: false,
         channels: rgb!("denoise_albedo", Half, pixel => {
             let mean = pixel.mean();
             (mean.diffuse_albedo + mean.specular_albedo).clamp(Vec3::ZERO, Vec3::ONE)
@@ -108,6 +116,7 @@ pub const LAYERS: &[Layer] = &[
     Layer {
         name: "denoise_normal",
         description: "mean of the samples' shading normals in world space, multiplied by coverage: what denoisers ask for",
+        is_of_triangles: false,
         channels: &[
             (
                 "denoise_normal.X",
@@ -126,16 +135,19 @@ pub const LAYERS: &[Layer] = &[
     Layer {
         name: "variance",
         description: "variance of the pixel's mean of beauty and background, as independent samples would have it: an upper bound",
+        is_of_triangles: false,
         channels: rgb!("variance", Float, pixel => pixel.variance()),
     },
     Layer {
         name: "Z",
         description: "depth along the view axis (in a panorama the distance), in model units; infinite where nothing is met",
+        is_of_triangles: true,
         channels: &[("Z", Value::Float(first!(f32::INFINITY, hit => hit.depth)))],
     },
     Layer {
         name: "distance",
         description: "distance from the eye, in model units; infinite where nothing is met",
+        is_of_triangles: true,
         channels: &[(
             "distance",
             Value::Float(first!(f32::INFINITY, hit => hit.distance)),
@@ -144,6 +156,7 @@ pub const LAYERS: &[Layer] = &[
     Layer {
         name: "N",
         description: "shading normal in world space, towards the eye, of unit length; zero where nothing is met",
+        is_of_triangles: true,
         channels: &[
             (
                 "N.X",
@@ -162,6 +175,7 @@ pub const LAYERS: &[Layer] = &[
     Layer {
         name: "Ng",
         description: "geometric normal in world space, towards the eye, of unit length; zero where nothing is met",
+        is_of_triangles: true,
         channels: &[
             (
                 "Ng.X",
@@ -180,6 +194,7 @@ pub const LAYERS: &[Layer] = &[
     Layer {
         name: "P",
         description: "place in world space, in model units; zero where nothing is met",
+        is_of_triangles: true,
         channels: &[
             ("P.X", Value::Float(first!(0.0, hit => hit.position.x))),
             ("P.Y", Value::Float(first!(0.0, hit => hit.position.y))),
@@ -189,6 +204,7 @@ pub const LAYERS: &[Layer] = &[
     Layer {
         name: "albedo",
         description: "linear base colour; zero where nothing is met",
+        is_of_triangles: true,
         channels: &[
             ("albedo.R", Value::Half(first!(0.0, hit => hit.albedo.x))),
             ("albedo.G", Value::Half(first!(0.0, hit => hit.albedo.y))),
@@ -198,6 +214,7 @@ pub const LAYERS: &[Layer] = &[
     Layer {
         name: "uv",
         description: "first texture coordinates, origin at the image's top left; zero where there are none",
+        is_of_triangles: true,
         channels: &[
             ("uv.U", Value::Float(first!(0.0, hit => hit.uv.x))),
             ("uv.V", Value::Float(first!(0.0, hit => hit.uv.y))),
@@ -206,21 +223,25 @@ pub const LAYERS: &[Layer] = &[
     Layer {
         name: "id",
         description: "index of the instance; 4294967295 where nothing is met",
+        is_of_triangles: true,
         channels: &[("id", Value::Id(first!(NOTHING, hit => hit.hit.instance)))],
     },
     Layer {
         name: "material",
         description: "index of the material; 4294967295 where nothing is met",
+        is_of_triangles: true,
         channels: &[("material", Value::Id(first!(NOTHING, hit => hit.material)))],
     },
     Layer {
         name: "prim",
         description: "index of the triangle in its mesh; 4294967295 where nothing is met",
+        is_of_triangles: true,
         channels: &[("prim", Value::Id(first!(NOTHING, hit => hit.hit.triangle)))],
     },
     Layer {
         name: "cost",
         description: "inner nodes, leaves and triangles that all rays of the pixel's samples tested",
+        is_of_triangles: true,
         channels: &[
             (
                 "cost.nodes",
@@ -239,6 +260,7 @@ pub const LAYERS: &[Layer] = &[
     Layer {
         name: "samples",
         description: "samples that the pixel got",
+        is_of_triangles: false,
         channels: &[("samples", Value::Id(|pixel| pixel.sum.samples))],
     },
 ];
@@ -248,6 +270,7 @@ pub const PARTITION_LAYERS: &[Layer] = &[
     Layer {
         name: "fragment",
         description: "number of the polygon BSP's fragment, and the colour that stands for it; 4294967295 and black where nothing is met",
+        is_of_triangles: true,
         channels: &[
             (
                 "fragment.id",
@@ -270,6 +293,7 @@ pub const PARTITION_LAYERS: &[Layer] = &[
     Layer {
         name: "bsp-depth",
         description: "nodes of the polygon BSP above the fragment's node, 0 for the root; infinite where nothing is met",
+        is_of_triangles: true,
         channels: &[(
             "bsp-depth",
             Value::Float(

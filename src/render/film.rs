@@ -3,6 +3,7 @@
 use glam::{DVec3, Vec2, Vec3};
 use rayon::prelude::*;
 
+use super::adaptive::Adaptive;
 use super::cryptomatte::{MatteKind, TileMattes};
 use super::integrator::Sample;
 use super::partition::FragmentPoint;
@@ -222,6 +223,8 @@ pub(super) struct Tile {
     pub(super) layers: Vec<LayerSum>,
     /// Empty unless layers are asked for.
     pub(super) mattes: TileMattes,
+    /// Knows nothing unless noise is asked for.
+    pub(super) adaptive: Adaptive,
     pub(super) rays: RayCounts,
 }
 
@@ -248,6 +251,7 @@ impl Film {
             first_hits: Vec::new(),
             layers: Vec::new(),
             mattes: TileMattes::default(),
+            adaptive: Adaptive::default(),
             rays: RayCounts::default(),
         };
         let tiles = window.tiles(TILE).into_iter().map(tile).collect();
@@ -284,6 +288,18 @@ impl Film {
             .flat_map(|t| &t.sums)
             .map(|p| u64::from(p.samples))
             .sum()
+    }
+
+    /// Samples of the pixel that has most.
+    pub fn most_samples(&self) -> u32 {
+        let sums = self.tiles.iter().flat_map(|t| &t.sums);
+        sums.map(|p| p.samples).max().unwrap_or(0)
+    }
+
+    /// Pixels that would get more samples: those for which the noise asked for is not reached, or all if none was asked for.
+    pub fn open_pixels(&self) -> u64 {
+        let tiles = self.tiles.iter();
+        tiles.map(|t| t.adaptive.open_pixels(&t.rect)).sum()
     }
 
     /// A value of every pixel of the window, row by row from the top. Rows of tiles are worked on in parallel.

@@ -2,7 +2,7 @@
 
 use glam::{DMat4, DVec4};
 
-use super::aov::{LAYERS, PARTITION_LAYERS};
+use super::aov::{LAYERS, Layer, PARTITION_LAYERS};
 use super::film::Film;
 use crate::picture::{Attribute, Channel, Picture, Window, attribute};
 use crate::scene::CameraFrame;
@@ -35,6 +35,17 @@ pub fn layers(film: &Film, camera: &CameraFrame) -> Picture {
     }
 }
 
+/// A film's layers without those that tell of single triangles ([`Layer::is_of_triangles`]), for scenes whose meshes were simplified.
+pub fn without_triangles(mut picture: Picture) -> Picture {
+    let told = LAYERS.iter().chain(PARTITION_LAYERS);
+    let told = told.filter(|layer| layer.is_of_triangles);
+    let names: Vec<&str> = told.flat_map(Layer::channels).collect();
+    picture
+        .channels
+        .retain(|c| !names.contains(&c.name.as_str()));
+    picture
+}
+
 /// World space to OpenEXR's camera space (x right, y up, z forward), and on to x and y from -1 to 1 over the picture.
 fn matrices(camera: &CameraFrame) -> [DMat4; 2] {
     let [right, up, back, eye] = camera.world_from_camera();
@@ -61,7 +72,7 @@ fn matrices(camera: &CameraFrame) -> [DMat4; 2] {
 mod tests {
     use super::*;
     use crate::picture::Samples;
-    use crate::render::aov::{Layer, NOTHING};
+    use crate::render::aov::NOTHING;
     use crate::render::film::PixelRect;
     use crate::scene::{Camera, Projection};
     use glam::{DVec3, Vec3};

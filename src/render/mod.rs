@@ -4,6 +4,7 @@
 //! dimension and seed, and the samples of a pixel are added in their order, so that thread count, tile order and
 //! crop do not change a bit of the picture.
 
+mod adaptive;
 mod aov;
 pub mod bsdf;
 mod cryptomatte;
@@ -31,6 +32,7 @@ mod surface;
 mod tangents;
 mod texel;
 mod texture;
+mod thrift;
 mod together;
 mod tracer;
 
@@ -39,6 +41,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use rayon::prelude::*;
 
+pub use adaptive::NoiseGoal;
 pub use aov::{LAYERS, Layer, NOTHING, PARTITION_LAYERS};
 pub use cryptomatte::{MatteKind, add_mattes, matte_id};
 pub use denoise::{denoise, with_denoised};
@@ -47,7 +50,7 @@ pub use film::{Film, FirstHit, LayerSum, Pixel, PixelRect, PixelSum};
 pub use filter::PixelFilter;
 pub use framing::{CameraWishes, DEFAULT_VIEW_ANGLE, frame_scene};
 pub use integrator::{Integrator, LightSearch, MOST_STEPS, Sample};
-pub use layered::layers;
+pub use layered::{layers, without_triangles};
 pub use lights::Lights;
 pub use motion::{MotionFrame, add_motion};
 pub use overlay::{Overlay, OverlayOptions, OverlayReport};
@@ -62,6 +65,7 @@ pub use tracer::{Answer, Covered, RayCounts, RayKind, TracedRay, Tracer};
 
 use crate::geometry::Ray;
 use crate::scene::CameraFrame;
+use adaptive::{Adaptive, LEAST_SAMPLES};
 use cryptomatte::{MatteIds, TileMattes};
 use together::{BLOCK, TOGETHER, Together};
 
@@ -74,6 +78,8 @@ pub struct RenderOptions {
     pub window: PixelRect,
     /// Samples a pixel. Their places depend on it: with 8 in place of 16, a pixel does not have the first 8 of these.
     pub samples: u32,
+    /// Where fewer samples are enough; `None` for as many everywhere.
+    pub noise: Option<NoiseGoal>,
     /// Changes every random number.
     pub seed: u32,
     /// How colours come about.
@@ -115,7 +121,7 @@ impl Observer for AtomicBool {
 /// Renders with the threads of the rayon pool in which it is called.
 ///
 /// The picture comes in passes of 1, 15, 16, 32 and more samples a pixel, so that one that is stopped shows everything, and few go alone. The observer may
-/// make them smaller.
+/// make them smaller. Where a noise is asked for, passes after the second are smaller, and pixels that have reached it are left out of them.
 pub fn render(
     stage: &Stage,
     camera: &CameraFrame,
@@ -145,10 +151,20 @@ pub fn render(
         });
     }
     let ids = options.wants_layers.then(|| MatteIds::of(stage.scene));
-    let (mut done, mut wanted) = (0, options.samples);
+    if options.noise.is_some() {
+        film.tiles
+            .iter_mut()
+            .for_each(|tile| tile.adaptive = Adaptive::new(&tile.rect));
+    }
+    let (mut done, mut wanted, mut owed) = (0, options.samples, 0);
     while done < wanted && !observer.should_stop() {
-        // The second completes what is traced together.
-        let planned = if done == 1 { TOGETHER - 1 } else { done.max(1) };
+        let planned = match done {
+            0 => 1,
+            // Completes what is traced together.
+            1 => TOGETHER - 1,
+            done if options.noise.is_some() => adaptive::pass(done, TOGETHER),
+            done => done,
+        };
         let planned = planned.min(wanted - done);
         let pass = observer.next_pass(done, planned).min(planned);
         if done > 0 && pass == 0 {
@@ -156,22 +172,29 @@ pub fn render(
             break;
         }
         let end = done + pass.max(1);
+        owed += film.open_pixels() * u64::from(end - done);
         film.tiles.par_iter_mut().for_each(|tile| {
             let mut tracer = Tracer::new(stage.accelerator, options.counts_cost);
             tracer.covered = options.wants_layers.then(Vec::new);
             let mut together = Together::default();
             let mut added = 0;
-            'tile: for block in tile.rect.tiles(BLOCK) {
+            'tile: for (number, block) in tile.rect.tiles(BLOCK).iter().enumerate() {
+                let share = tile.adaptive.share(number);
+                if share.is_empty() {
+                    continue;
+                }
                 for first in (done..end).step_by(TOGETHER as usize) {
                     if observer.should_stop() {
                         break 'tile;
                     }
                     let samples = first..end.min(first + TOGETHER);
-                    together.trace(&pixel, &mut tracer, &block, samples);
+                    together.trace(&pixel, &mut tracer, (block, share), samples);
                     let go_on = together.finish(&pixel, &mut tracer, |tracer, (x, y), sample| {
                         let index = tile.rect.index(x, y);
                         let sum = &mut tile.sums[index];
                         sum.add(&sample);
+                        let seen = sample.color + sample.backdrop;
+                        tile.adaptive.add(index, seen, sum.samples);
                         if let Some(layers) = tile.layers.get_mut(index) {
                             layers.add(&sample, sum.samples);
                         }
@@ -194,14 +217,20 @@ pub fn render(
                 }
             }
             tile.rays += tracer.rays;
+            if let Some(goal) = options.noise.filter(|_| end >= LEAST_SAMPLES) {
+                tile.adaptive.decide(&tile.rect, &tile.sums, end, goal);
+            }
             observer.samples_done(added);
         });
         done = end;
         if !observer.should_stop() {
             observer.pass_done(&film);
         }
+        if film.tiles.iter().all(|tile| tile.adaptive.is_done()) {
+            wanted = done;
+        }
     }
-    film.is_complete = film.samples() == options.window.area() * u64::from(wanted);
+    film.is_complete = done >= wanted && film.samples() == owed;
     film
 }
 

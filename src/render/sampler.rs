@@ -30,6 +30,8 @@ pub struct Sampler {
     pairs: u32,
     /// The second number of a pair of which the first was taken alone.
     spare: Option<Spare>,
+    /// Coins tossed so far.
+    tosses: u32,
 }
 
 /// A number that waits to be taken.
@@ -63,6 +65,7 @@ impl Sampler {
             high: (index >> 32) as u32,
             pairs: 0,
             spare: None,
+            tosses: 0,
         }
     }
 
@@ -98,6 +101,16 @@ impl Sampler {
     pub fn next_2d(&mut self) -> [f32; 2] {
         self.pairs += 1;
         self.pair(self.pairs - 1)
+    }
+
+    /// Whether something happens that does so with a chance. No dimension is used up, so that the other numbers are what they are without it; in turn these numbers are
+    /// independent of one another, and not stratified.
+    #[inline]
+    pub fn toss(&mut self, chance: f32) -> bool {
+        self.tosses += 1;
+        let place = self.reversed ^ hash(self.high ^ self.tosses.wrapping_mul(0x85eb_ca6b));
+        let number = hash(hash(place) ^ self.seed);
+        ((number >> 8) as f32) < chance * (1 << 24) as f32
     }
 
     #[inline]
@@ -267,6 +280,39 @@ mod tests {
                 assert_eq!(sampler.pairs, samplers[lane].pairs);
             }
         }
+    }
+
+    #[test]
+    fn coins_fall_by_their_chance_whatever_else_is_asked() {
+        let samples =
+            || (0..4).flat_map(|x| (0..5000).map(move |s| Sampler::among(x, 9, s, 5000, 7)));
+        for (nth, chance) in [(1, 0.1_f32), (2, 0.1), (3, 0.5), (9, 0.995)] {
+            let heads = samples().filter(|s| {
+                let mut sampler = s.clone();
+                let before = (1..nth).filter(|_| sampler.toss(0.5)).count();
+                sampler.next_2d();
+                // Of those of which the last one before was this or that.
+                assert!(before < nth);
+                sampler.toss(chance)
+            });
+            let share = heads.count() as f32 / 20_000.0;
+            let error = (chance * (1.0 - chance) / 20_000.0).sqrt();
+            assert!(
+                (share - chance).abs() < 4.0 * error,
+                "{nth} {chance} {share}"
+            );
+        }
+        let mut sampler = Sampler::new(1, 2, 3, 4);
+        assert!(!sampler.toss(0.0) && sampler.toss(1.0));
+        let (mut a, mut b) = (Sampler::new(1, 2, 3, 4), Sampler::new(1, 2, 3, 4));
+        b.toss(0.3);
+        assert_eq!((a.next_2d(), a.next_1d()), (b.next_2d(), b.next_1d()));
+        // Two coins of a sample do not know of one another.
+        let both = samples().filter(|s| {
+            let mut sampler = s.clone();
+            sampler.toss(0.5) & sampler.toss(0.5)
+        });
+        assert!((both.count() as f32 / 20_000.0 - 0.25).abs() < 0.013);
     }
 
     #[test]

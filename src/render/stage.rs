@@ -11,6 +11,7 @@ use super::lights::{Lights, has_directional};
 use super::surface::MaterialPoint;
 use super::tangents::Tangents;
 use super::texture::Textures;
+use super::thrift::Thrift;
 use crate::accel::bsp::polygon::SceneTrees;
 use crate::accel::{Accelerator, TestSpaces};
 use crate::geometry::Triangle;
@@ -51,6 +52,8 @@ pub struct Stage<'a> {
     pub has_alpha: bool,
     /// Whether light passes any material.
     pub(super) has_transmission: bool,
+    /// Whether rays that can bring little are saved.
+    pub(super) thrift: Thrift,
     /// The polygon BSPs of the scene, for pictures that show them.
     pub trees: Option<&'a SceneTrees>,
     /// Greatest depth of their nodes: 0 for a root alone.
@@ -150,6 +153,7 @@ impl<'a> Stage<'a> {
             diagonal: scene.bounds().diagonal(),
             has_alpha: scene.materials.iter().any(|m| m.has_alpha()),
             has_transmission: scene.materials.iter().any(|m| m.transmission.is_some()),
+            thrift: Thrift::On,
             trees: None,
             deepest_node: 0,
             instances,
@@ -170,6 +174,13 @@ impl<'a> Stage<'a> {
     #[must_use]
     pub fn without_backdrop(mut self) -> Self {
         self.hides_environment = true;
+        self
+    }
+
+    /// With all rays sent, also those that can bring little. Otherwise these are sent with a chance, which leaves the mean of every pixel as it is.
+    #[must_use]
+    pub fn exhaustively(mut self) -> Self {
+        self.thrift = Thrift::Off;
         self
     }
 

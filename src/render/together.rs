@@ -4,6 +4,7 @@
 use std::ops::{ControlFlow, Range};
 
 use super::PixelRenderer;
+use super::adaptive::Share;
 use super::film::PixelRect;
 use super::integrator::{Lit, Sample};
 use super::sampler::Sampler;
@@ -32,19 +33,19 @@ pub(super) struct Together {
 }
 
 impl Together {
-    /// Begins samples of all pixels of a block, and traces their rays unless each has to be traced by itself.
+    /// Begins samples of a share of a block's pixels, and traces their rays unless each has to be traced by itself.
     pub(super) fn trace(
         &mut self,
         pixel: &PixelRenderer,
         tracer: &mut Tracer,
-        block: &PixelRect,
+        (block, share): (&PixelRect, Share),
         samples: Range<u32>,
     ) {
         self.places.clear();
         self.samplers.clear();
         self.rays.clear();
         self.samples = samples.len();
-        for (x, y) in squares(block) {
+        for (x, y) in squares(block).filter(|&(x, y)| share.has(x, y)) {
             self.places.push((x, y));
             let (rays, samplers) = (&mut self.rays, &mut self.samplers);
             pixel.begin_all((x, y), samples.clone(), rays, samplers);

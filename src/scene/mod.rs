@@ -4,6 +4,7 @@
 mod camera;
 mod camera_frame;
 mod defect;
+mod detail;
 mod environment;
 mod instance;
 mod light;
@@ -15,6 +16,7 @@ mod texture;
 pub use camera::{Camera, Lens, Projection};
 pub use camera_frame::{CameraFrame, Pinhole};
 pub use defect::{Defect, DefectCause, Note};
+pub use detail::{DetailOptions, DetailReport, InstanceDetail};
 pub use environment::Sky;
 pub use instance::Instance;
 pub use light::{Light, LightKind};

@@ -4,6 +4,7 @@ mod camera;
 mod chart;
 mod compare;
 mod denoise;
+mod detail;
 mod diff;
 mod environments;
 mod errors;

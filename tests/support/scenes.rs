@@ -67,6 +67,7 @@ pub(crate) fn options(size: (u32, u32), samples: u32, integrator: Integrator) ->
             height: size.1,
         },
         samples,
+        noise: None,
         seed: 0,
         integrator,
         filter: PixelFilter::Box,

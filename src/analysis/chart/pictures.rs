@@ -114,6 +114,7 @@ fn picture(
             height,
         },
         samples,
+        noise: None,
         seed,
         integrator: options.integrator,
         filter: PixelFilter::BlackmanHarris,

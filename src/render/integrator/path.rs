@@ -109,8 +109,7 @@ pub(super) fn shade(
         if depth > limits.max_depth {
             break;
         }
-        let lit = look_for_lights(stage, tracer, &surface, &bsdf, sampler, (depth, limits));
-        path.radiance += path.throughput * lit;
+        path.look_for_lights(stage, tracer, &surface, &bsdf, sampler, (depth, limits));
 
         let Some(next) = bsdf.sample(sampler) else {
             break;
@@ -181,53 +180,59 @@ fn follow(
     None
 }
 
-/// Light that the surface sends back of one light of each sort: a punctual one, a point of an emissive triangle, a direction of
-/// the environment.
-fn look_for_lights(
-    stage: &Stage,
-    tracer: &mut Tracer,
-    surface: &Surface,
-    bsdf: &Scattering,
-    sampler: &mut Sampler,
-    (depth, limits): (u32, Limits),
-) -> Vec3 {
-    if bsdf.is_all_smooth() {
-        return Vec3::ZERO;
-    }
-    let lights = &stage.lights;
-    let mut sum = Vec3::ZERO;
-    let mut add = |tracer: &mut Tracer, incident: Incident| {
-        let (value, density) = bsdf.evaluate(incident.direction);
-        let share = limits.weight(incident.density, density, true);
-        let worth = value.element_sum();
-        let counts = worth > 0.0 && worth.is_finite() && share > 0.0;
-        if !counts {
+impl Path {
+    /// Light that the surface sends back of one light of each sort: a punctual one, a point of an emissive triangle, a direction of
+    /// the environment.
+    fn look_for_lights(
+        &mut self,
+        stage: &Stage,
+        tracer: &mut Tracer,
+        surface: &Surface,
+        bsdf: &Scattering,
+        sampler: &mut Sampler,
+        (depth, limits): (u32, Limits),
+    ) {
+        if bsdf.is_all_smooth() {
             return;
         }
-        let shadow = shadow_ray_to(surface, &incident, depth);
-        let passed = visibility(stage, tracer, shadow, RayKind::Shadow);
-        sum += value * incident.irradiance * (passed * share);
-    };
-    if lights.has_punctual() {
-        let choice = sampler.next_1d_if(lights.has_many_punctual());
-        let worth = |direction: Vec3| bsdf.evaluate(direction).0.element_sum();
-        if let Some(incident) = lights.one_punctual(surface.position, choice, worth) {
-            add(tracer, incident);
+        let lights = &stage.lights;
+        let mut add = |tracer: &mut Tracer, sampler: &mut Sampler, incident: Incident| {
+            let (value, density) = bsdf.evaluate(incident.direction);
+            let share = limits.weight(incident.density, density, true);
+            let worth = value.element_sum();
+            let counts = worth > 0.0 && worth.is_finite() && share > 0.0;
+            if !counts {
+                return;
+            }
+            let unshadowed = self.throughput * value * incident.irradiance * share;
+            let chance = stage.thrift.chance(unshadowed, self.radiance);
+            if chance < 1.0 && !sampler.toss(chance) {
+                return;
+            }
+            let shadow = shadow_ray_to(surface, &incident, depth);
+            let passed = visibility(stage, tracer, shadow, RayKind::Shadow);
+            self.radiance += unshadowed * (passed / chance);
+        };
+        if lights.has_punctual() {
+            let choice = sampler.next_1d_if(lights.has_many_punctual());
+            let worth = |direction: Vec3| bsdf.evaluate(direction).0.element_sum();
+            if let Some(incident) = lights.one_punctual(surface.position, choice, worth) {
+                add(tracer, sampler, incident);
+            }
+        }
+        if lights.has_emitters() {
+            let choice = sampler.next_1d();
+            let place = sampler.next_2d();
+            if let Some(incident) = lights.emitter(stage, surface.position, choice, place) {
+                add(tracer, sampler, incident);
+            }
+        }
+        if let Some(environment) = &stage.environment
+            && let Some(found) = environment.search(sampler.next_2d())
+        {
+            add(tracer, sampler, Incident::far(&found));
         }
     }
-    if lights.has_emitters() {
-        let choice = sampler.next_1d();
-        let place = sampler.next_2d();
-        if let Some(incident) = lights.emitter(stage, surface.position, choice, place) {
-            add(tracer, incident);
-        }
-    }
-    if let Some(environment) = &stage.environment
-        && let Some(found) = environment.search(sampler.next_2d())
-    {
-        add(tracer, Incident::far(&found));
-    }
-    sum
 }
 
 /// Radiance of the environment from a direction that was chosen with a density.

@@ -1,0 +1,198 @@
+//! Samples where the noise is: which pixels get them, that nothing but the block has a part in it, and that means stay what they are.
+
+#[path = "support/scenes.rs"]
+mod scenes;
+
+use bspray::accel::AcceleratorKind;
+use bspray::render::{
+    Film, Integrator, LightSearch, NoiseGoal, PixelRect, PixelRenderer, RenderOptions, SkyMode,
+    Stage, Tracer,
+};
+use bspray::scene::{Camera, Material, Projection, Scene};
+use glam::{DVec3, Vec3};
+use scenes::{film, level, options, point_light, quad};
+
+const SIZE: (u32, u32) = (75, 41);
+
+const PATH: Integrator = Integrator::Path {
+    max_depth: 4,
+    search: LightSearch::Both,
+};
+
+/// A floor under a small lamp, half of it behind a wall: a soft shadow, and a part that gets light from the wall alone.
+fn yard() -> Scene {
+    let lamp = Material {
+        emissive: Vec3::new(20.0, 16.0, 9.0),
+        ..Material::default()
+    };
+    let grey = Material {
+        base_color: Vec3::splat(0.6).extend(1.0),
+        ..Material::default()
+    };
+    let wall = quad([
+        Vec3::new(0.2, 0.0, -2.0),
+        Vec3::new(0.2, 0.0, 2.0),
+        Vec3::new(0.2, 0.8, 2.0),
+        Vec3::new(0.2, 0.8, -2.0),
+    ]);
+    let mut scene = scenes::scene([
+        (level(0.0, [-3.0, 3.0], [-3.0, 3.0]), grey.clone()),
+        (wall, grey),
+        (level(2.0, [-1.5, -1.0], [-0.3, 0.2]), lamp),
+    ]);
+    let fill = point_light(Vec3::new(2.0, 3.0, 2.0), Vec3::splat(0.3));
+    scene.lights.push(fill);
+    scene.cameras.push(Camera {
+        name: String::new(),
+        position: Vec3::new(0.5, 3.0, 5.0),
+        focal_point: Vec3::new(0.0, 0.2, 0.0),
+        view_up: Vec3::Y,
+        projection: Projection::Perspective { view_angle: 45.0 },
+    });
+    scene
+}
+
+fn adaptive(level: f32, samples: u32) -> RenderOptions {
+    RenderOptions {
+        noise: Some(NoiseGoal {
+            level,
+            exposure: 1.0,
+        }),
+        ..options(SIZE, samples, PATH)
+    }
+}
+
+fn taken(scene: &Scene, options: &RenderOptions) -> Film {
+    film(scene, AcceleratorKind::Bsp, SkyMode::Off, options)
+}
+
+/// Colour and samples of each pixel.
+fn seen(film: &Film) -> Vec<(Vec3, u32)> {
+    film.map(|pixel| (pixel.sum.color, pixel.sum.samples))
+}
+
+#[test]
+fn threads_and_crops_along_blocks_change_nothing() {
+    let (scene, options) = (yard(), adaptive(0.05, 96));
+    let on = |threads: usize| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
+        pool.expect("threads")
+            .install(|| seen(&taken(&scene, &options)))
+    };
+    let whole = on(1);
+    assert!(whole == on(3));
+    let window = PixelRect {
+        x: 16,
+        y: 8,
+        width: 48,
+        height: 24,
+    };
+    let crop = taken(&scene, &RenderOptions { window, ..options });
+    let want: Vec<_> = window
+        .pixels()
+        .map(|(x, y)| whole[(y * SIZE.0 + x) as usize])
+        .collect();
+    assert!(seen(&crop) == want);
+}
+
+#[test]
+fn pixels_have_the_first_of_their_samples_and_noisy_ones_more() {
+    let (scene, options) = (yard(), adaptive(0.05, 160));
+    let film = taken(&scene, &options);
+    assert!(film.is_complete);
+    let seen = seen(&film);
+    let counts: Vec<u32> = seen.iter().map(|s| s.1).collect();
+    let (least, most) = (counts.iter().min().copied(), film.most_samples());
+    assert_eq!(
+        least,
+        Some(16),
+        "what is black and what is beside the floor is clean at once"
+    );
+    assert!(
+        most > 64 && film.samples() < 75 * 41 * 100,
+        "{most} {}",
+        film.samples()
+    );
+    let accelerator = AcceleratorKind::Bvh2.build(&scene);
+    let stage = Stage::new(&scene, &*accelerator, Vec3::Y, SkyMode::Off);
+    let camera = scene.cameras[0].frame(SIZE.0, SIZE.1).expect("a camera");
+    let pixel = PixelRenderer {
+        stage: &stage,
+        camera: &camera,
+        options: &options,
+    };
+    let mut tracer = Tracer::new(&*accelerator, false);
+    for (index, (x, y)) in options.window.pixels().enumerate().step_by(37) {
+        let (color, count) = seen[index];
+        let samples = (0..count).map(|sample| pixel.sample(&mut tracer, x, y, sample).color);
+        assert!(
+            samples.fold(Vec3::ZERO, |sum, c| sum + c) == color,
+            "{x} {y}"
+        );
+    }
+    // No pixel is left open but those that have all.
+    let all = counts.iter().filter(|&&n| n == 160).count() as u64;
+    assert!(film.open_pixels() <= all, "{} {all}", film.open_pixels());
+}
+
+#[test]
+fn a_level_that_cannot_be_reached_is_the_uniform_picture() {
+    let scene = yard();
+    let uniform = taken(&scene, &options(SIZE, 40, PATH));
+    let film = taken(&scene, &adaptive(1e-9, 40));
+    // What is black throughout has no noise at all.
+    for (adaptive, uniform) in seen(&film).iter().zip(seen(&uniform)) {
+        assert!(*adaptive == uniform || (adaptive.0 == Vec3::ZERO && uniform.0 == Vec3::ZERO));
+    }
+}
+
+/// Mean of all pixels over pictures of several seeds, and its standard error.
+fn mean(scene: &Scene, options: &RenderOptions, seeds: u32) -> (DVec3, DVec3) {
+    let means = (0..seeds).map(|seed| {
+        let film = taken(scene, &RenderOptions { seed, ..*options });
+        let colors = film.map(|pixel| pixel.mean().color.as_dvec3());
+        colors.iter().sum::<DVec3>() / colors.len() as f64
+    });
+    let means: Vec<DVec3> = means.collect();
+    let count = f64::from(seeds);
+    let mean = means.iter().sum::<DVec3>() / count;
+    let squares = means
+        .iter()
+        .map(|m| (*m - mean) * (*m - mean))
+        .sum::<DVec3>();
+    let error = squares / (count * (count - 1.0));
+    (mean, DVec3::from_array(error.to_array().map(f64::sqrt)))
+}
+
+#[test]
+fn the_mean_is_that_of_uniform_sampling() {
+    let mut scene = yard();
+    // Light by chance alone: most samples see nothing, a few much, which is where stopping too early shows.
+    scene.materials[2].emissive *= 4.0;
+    let chance = |options: RenderOptions| RenderOptions {
+        size: (32, 24),
+        window: PixelRect {
+            x: 0,
+            y: 0,
+            width: 32,
+            height: 24,
+        },
+        integrator: Integrator::Path {
+            max_depth: 2,
+            search: LightSearch::Surfaces,
+        },
+        ..options
+    };
+    let seeds = 48;
+    let (uniform, error) = mean(&scene, &chance(options(SIZE, 64, PATH)), seeds);
+    let (found, other) = mean(&scene, &chance(adaptive(0.3, 256)), seeds);
+    let off = (found - uniform).abs();
+    let both = (error * error + other * other).to_array();
+    let allowed = DVec3::from_array(both.map(|v| 3.5 * v.sqrt()));
+    println!("{found} {uniform} +- {error} {other}");
+    assert!(off.cmple(allowed).all(), "{found} {uniform} {allowed}");
+    assert!(
+        (allowed / uniform).max_element() < 0.02,
+        "{allowed} says little"
+    );
+}
