@@ -246,8 +246,12 @@ pub(super) fn run(args: &RenderArgs) -> anyhow::Result<Done> {
         .transpose()?;
     let started = Instant::now();
     let wants = wants(args, has_layers);
-    let (mut scene, neighbors) =
-        motion::load(&args.input, &args.frames, has_layers && !is_simplified, wants)?;
+    let (mut scene, neighbors) = motion::load(
+        &args.input,
+        &args.frames,
+        has_layers && !is_simplified,
+        wants,
+    )?;
     let environment = args.environment.environment(args.camera.up())?;
     // So that it is not written over.
     scene
