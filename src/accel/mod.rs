@@ -39,7 +39,7 @@ pub use embree::{Embree, EmbreeError, EmbreeMode, EmbreeScene};
 pub use hit::Hit;
 
 use bake::{Baked, Placement};
-use bsp::wide::{Growth, WideSet, WideTop};
+use bsp::wide::{Growth, WideSet, WideTest, WideTop};
 use bvh::BvhKind;
 use bvh_sets::{BvhSet, BvhTop};
 use counters::{Counter, Uncounted};
@@ -261,11 +261,6 @@ impl AcceleratorKind {
         self.build_with(scene, &BuildOptions::default())
     }
 
-    /// Whether it can be built with this triangle test. `bsp` tests in its own lanes, exactly, and so does what `extents` has within objects.
-    pub const fn takes(self, test: TriangleTest) -> bool {
-        matches!(test, TriangleTest::Exact) || !matches!(self, Self::Bsp | Self::Extents)
-    }
-
     /// Builds the structure over all instances of the scene. Kinds that leave no choice do not look at the options.
     pub fn build_with(self, scene: &Scene, options: &BuildOptions) -> Box<dyn Accelerator> {
         match options.test {
@@ -276,7 +271,7 @@ impl AcceleratorKind {
         }
     }
 
-    fn build_tested<T: TestedRay>(
+    fn build_tested<T: WideTest>(
         self,
         scene: &Scene,
         options: &BuildOptions,
@@ -285,7 +280,7 @@ impl AcceleratorKind {
         let every = |placements: &[Placement]| EveryPlacement(placements.len() as u32);
         match self {
             Self::Linear => Box::new(Instances::build(baked, LinearSet::<T>::new, every)),
-            Self::Bsp => wide(baked, options),
+            Self::Bsp => wide::<T>(baked, options),
             Self::BspPolygon => {
                 let mut outlines = bsp::polygon::outlines(scene, &baked).into_iter();
                 let set = |set| {
@@ -301,9 +296,9 @@ impl AcceleratorKind {
     }
 }
 
-fn wide(baked: Baked, options: &BuildOptions) -> Box<dyn Accelerator> {
+fn wide<T: WideTest>(baked: Baked, options: &BuildOptions) -> Box<dyn Accelerator> {
     let (options, drops_copies) = (*options, baked.drops_copies);
-    let build = move |set, growth| WideSet::build(set, &options, growth, drops_copies);
+    let build = move |set, growth| WideSet::<T>::build(set, &options, growth, drops_copies);
     let top = WideTop::build;
     if options.time == BuildTime::Ahead {
         let whole = |set| build(set, Growth::Whole);

@@ -17,13 +17,13 @@
 //!     ..CompareOptions::default()
 //! };
 //! let frame = camera.frame(64, 64).ok_or("the camera sees nothing")?;
-//! let comparison = Comparison::of(&scene, &frame, &options, &|_, _| ());
+//! let comparison = Comparison::of(&scene, &frame, &options, &|_, _| ())?;
 //! assert!(comparison.is_first_right());
 //! # Ok(())
 //! # }
 //! ```
 
-mod accuracy;
+pub mod accuracy;
 pub mod chart;
 mod clock;
 mod compare;
@@ -34,18 +34,20 @@ mod machine;
 mod measure;
 mod memory;
 mod needs;
+mod plain_scene;
 mod random;
 pub mod report;
 mod specular_rays;
 pub mod stability;
 mod view_rays;
+mod work;
 
-pub use accuracy::{Fault, Faults, Oracle, judge};
+pub use accuracy::{Fault, Faults, Mistakes, Oracle, WrongRay, judge};
 pub use clock::{Elapsed, Stopwatch};
 pub use compare::{
-    Agreement, BuiltMethod, CompareOptions, Comparison, Contestant, CostPictures, Distances,
-    Entrant, MethodOnSet, Mistakes, NamedRays, PairReport, Phase, RayFileError, Replayed, Said,
-    SetReport, Source, Work, WrongRay, compare_set, rays_of_view, read_rays, replay, write_rays,
+    Agreement, Built, BuiltMethod, CompareOptions, Comparison, Contestant, CostPictures, Distances,
+    Entrant, MethodOnSet, NamedRays, PairReport, Phase, RayFileError, Replayed, Said, SetReport,
+    Source, compare_set, rays_of_view, read_rays, replay, write_rays,
 };
 pub use estimate::Estimate;
 pub use ladder::{Ladder, LadderOptions, LadderStep, StepOnRays, ray_sets};
@@ -54,3 +56,4 @@ pub use measure::{BuildCost, Speed, Timing, answers, build, speeds_in_turns, ste
 pub use memory::MemoryMeter;
 pub use needs::{MeshRepeats, Needs, Repeats, Share, Used, Watched};
 pub use view_rays::{Query, RayPurpose, RaySet, ViewOptions, view_rays};
+pub use work::Work;

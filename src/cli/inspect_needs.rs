@@ -59,6 +59,7 @@ pub(super) fn run(
         filter: PixelFilter::BlackmanHarris,
         counts_cost: false,
         wants_layers: false,
+        noise: None,
     };
     let started = Instant::now();
     let build = BuildOptions {

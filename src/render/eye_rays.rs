@@ -130,6 +130,7 @@ mod tests {
                 filter,
                 counts_cost: false,
                 wants_layers: false,
+                noise: None,
             };
             let pixel = PixelRenderer {
                 stage: &stage,

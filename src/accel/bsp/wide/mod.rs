@@ -3,7 +3,7 @@
 //! The lecture's two halves in one structure. Planes divide the polygons into cells ([`plane`], [`build`]); the fragments in a cell are a point
 //! cluster, and its extent is what a ray is tested against, eight cells at a time ([`node`], [`simd`]). Leaves hold blocks of up to eight
 //! original triangles, tested at once: fragments steer, originals are hit, by the crate's one test ([`RayFrame`]), so that answers are
-//! exact and the same for every set of instructions.
+//! exact and the same for every set of instructions. The same tree can be walked with tests that are not exact ([`WideTest`]).
 //!
 //! Kin: the BVH with spatial splits of Stich, Friedrich, Dietrich 2009; the general BSP of Ize, Wald, Parker 2008; early split clipping of Ernst and
 //! Greiner 2007.
@@ -27,8 +27,10 @@ mod treelet;
 mod walk;
 
 pub(super) use simd::Instructions;
+pub(in crate::accel) use simd::WideTest;
 pub(in crate::accel) use top::WideTop;
 
+use std::marker::PhantomData;
 use std::sync::{Arc, Weak};
 
 use glam::{Vec3, Vec4};
@@ -50,14 +52,15 @@ use walk::Reach;
 
 pub(in crate::accel) use treelet::Growth;
 
-/// A set of triangles under a wide BSP.
-pub(in crate::accel) struct WideSet {
+/// A set of triangles under a wide BSP, tested by `T`.
+pub(in crate::accel) struct WideSet<T = RayFrame> {
     tree: Branch,
     /// What is left to build its treelets from, while there are any that no ray has reached.
     source: Weak<Source>,
     reach: Reach,
     instructions: Instructions,
     names: Names,
+    test: PhantomData<T>,
 }
 
 /// Costs in the unit of a node's test, found by trial on the scenes of `benches/record`. A division into two costs little, so that the collapse to
@@ -87,7 +90,7 @@ fn plan(quality: BspQuality) -> Plan {
     }
 }
 
-impl WideSet {
+impl<T: WideTest> WideSet<T> {
     fn tree(&self) -> Tree<'_> {
         Tree::new(&self.tree.store, self.tree.root, &self.reach)
     }
@@ -136,10 +139,10 @@ impl WideSet {
         nearest: &mut Nearest,
         counter: &mut C,
     ) {
-        let frame = RayFrame::new(ray);
+        let tested = T::new(ray);
         self.tree.each_triangle(&mut |number, triangle| {
             counter.primitives(1);
-            if let Some(t) = frame.intersect(triangle) {
+            if let Some(t) = tested.intersect(triangle) {
                 self.names.offer(t, number, instance, nearest);
             }
         });
@@ -147,6 +150,29 @@ impl WideSet {
 
     /// With `drops_copies`, of triangles in the same place only the one of the least number is there.
     pub(in crate::accel) fn build(
+        triangles: TriangleSet,
+        options: &BuildOptions,
+        growth: Growth,
+        drops_copies: bool,
+    ) -> Self {
+        WideSet::build_exact(triangles, options, growth, drops_copies).tested_by()
+    }
+}
+
+impl WideSet {
+    /// The same tree, tested otherwise: what builds it is compiled once.
+    fn tested_by<T>(self) -> WideSet<T> {
+        WideSet {
+            tree: self.tree,
+            source: self.source,
+            reach: self.reach,
+            instructions: self.instructions,
+            names: self.names,
+            test: PhantomData,
+        }
+    }
+
+    fn build_exact(
         triangles: TriangleSet,
         options: &BuildOptions,
         growth: Growth,
@@ -191,11 +217,12 @@ impl WideSet {
             reach,
             instructions: Instructions::best(),
             names,
+            test: PhantomData,
         }
     }
 }
 
-impl TraceSet for WideSet {
+impl<T: WideTest> TraceSet for WideSet<T> {
     fn closest<C: Counter>(
         &self,
         ray: &Ray,
@@ -203,7 +230,7 @@ impl TraceSet for WideSet {
         nearest: &mut Nearest,
         counter: &mut C,
     ) {
-        let found = simd::closest(
+        let found = T::closest(
             self.instructions,
             self.tree(),
             ray,
@@ -218,7 +245,7 @@ impl TraceSet for WideSet {
     }
 
     fn any<C: Counter>(&self, ray: &Ray, counter: &mut C) -> bool {
-        match simd::any(self.instructions, self.tree(), ray, counter) {
+        match T::any(self.instructions, self.tree(), ray, counter) {
             Occluded::Yes => true,
             Occluded::No => false,
             Occluded::Unusual => {
@@ -235,7 +262,7 @@ impl TraceSet for WideSet {
         } else {
             None
         };
-        let found = simd::closest(self.instructions, self.tree(), ray, passed, counter);
+        let found = T::closest(self.instructions, self.tree(), ray, passed, counter);
         let hit = self.hit(&found);
         if hit.is_some() {
             return hit;
@@ -249,7 +276,7 @@ impl TraceSet for WideSet {
     }
 
     fn any_alone<C: Counter>(&self, ray: &Ray, counter: &mut C) -> bool {
-        match simd::any(self.instructions, self.tree(), ray, counter) {
+        match T::any(self.instructions, self.tree(), ray, counter) {
             Occluded::Yes => true,
             Occluded::No => false,
             Occluded::Unusual => ray.is_traceable() && self.any(ray, counter),
