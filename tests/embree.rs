@@ -19,7 +19,7 @@ use random::Random;
 
 /// Why this file is not loaded.
 fn refusal(path: &Path) -> String {
-    let error = Embree::load(path, 1).err().expect("not Embree 4");
+    let error = Embree::load(path, 1).expect_err("not Embree 4");
     let words = error.to_string();
     assert!(!words.contains('\n'), "{words:?}");
     assert!(words.starts_with(&path.display().to_string()), "{words}");
@@ -98,6 +98,7 @@ fn easy_rays_hit_what_brute_force_hits_and_denormals_stay() {
         let stats = tree.build_stats();
         assert_eq!(stats.triangles, scene.placed_triangles());
         assert!(stats.bytes > 40 * stats.triangles, "{stats:?}");
+        assert!(tree.peak_bytes() > stats.bytes, "{stats:?}");
         assert!(black_box(f32::MIN_POSITIVE) * black_box(0.5) > 0.0);
     }
 }

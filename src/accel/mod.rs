@@ -45,7 +45,7 @@ use hit::Nearest;
 use instances::{EveryPlacement, Instances};
 use linear::LinearSet;
 
-use crate::geometry::{Double, Fast, Ray, RayFrame, TestedRay, TriangleTest, Watertight};
+use crate::geometry::{Double, Fast, Ray, RayFrame, TriangleTest, Watertight};
 use crate::scene::Scene;
 
 /// A built structure that answers what rays hit.
@@ -259,11 +259,6 @@ impl AcceleratorKind {
         self.build_with(scene, &BuildOptions::default())
     }
 
-    /// Whether it can be built with this triangle test. `bsp` tests in its own lanes, exactly, and so does what `extents` has within objects.
-    pub const fn takes(self, test: TriangleTest) -> bool {
-        matches!(test, TriangleTest::Exact) || !matches!(self, Self::Bsp | Self::Extents)
-    }
-
     /// Builds the structure over all instances of the scene. Kinds that leave no choice do not look at the options.
     pub fn build_with(self, scene: &Scene, options: &BuildOptions) -> Box<dyn Accelerator> {
         match options.test {
@@ -274,7 +269,7 @@ impl AcceleratorKind {
         }
     }
 
-    fn build_tested<T: TestedRay>(
+    fn build_tested<T: bsp::wide::WideTest>(
         self,
         scene: &Scene,
         options: &BuildOptions,
@@ -292,7 +287,7 @@ impl AcceleratorKind {
             Self::Linear => Box::new(Instances::build(baked, LinearSet::<T>::new, every)),
             Self::Bsp => Box::new(Instances::build(
                 baked,
-                |set| bsp::wide::WideSet::build(set, options),
+                |set| bsp::wide::WideSet::<T>::build(set, options),
                 bsp::wide::WideTop::build,
             )),
             Self::BspPolygon => {

@@ -41,28 +41,25 @@ pub struct BuildCost {
 }
 
 /// Builds a structure with the threads of the rayon pool in which it is called, and tells what that took.
-pub fn build(
-    once: &dyn Fn() -> Box<dyn Accelerator>,
-    memory: Option<&MemoryMeter>,
-) -> (Box<dyn Accelerator>, BuildCost) {
+pub fn build<T>(once: &dyn Fn() -> T, memory: Option<&MemoryMeter>) -> (T, BuildCost) {
     let timed = || {
         let watch = Stopwatch::start();
-        let accelerator = once();
-        (accelerator, watch.elapsed().wall)
+        let built = once();
+        (built, watch.elapsed().wall)
     };
-    let ((mut accelerator, mut seconds), peak_bytes) = match memory {
+    let ((mut built, mut seconds), peak_bytes) = match memory {
         Some(meter) => {
-            let (built, bytes) = meter.of(timed);
-            (built, Some(bytes))
+            let (timed, bytes) = meter.of(timed);
+            (timed, Some(bytes))
         }
         None => (timed(), None),
     };
     if seconds < SHORT_BUILD {
         for _ in 0..2 {
             // Not both at once: large structures would need twice the memory.
-            drop(accelerator);
+            drop(built);
             let (again, other) = timed();
-            accelerator = again;
+            built = again;
             seconds = seconds.min(other);
         }
     }
@@ -70,7 +67,7 @@ pub fn build(
         seconds,
         peak_bytes,
     };
-    (accelerator, cost)
+    (built, cost)
 }
 
 /// What the accelerator answers to each ray of the set.

@@ -17,13 +17,13 @@
 //!     ..CompareOptions::default()
 //! };
 //! let frame = camera.frame(64, 64).ok_or("the camera sees nothing")?;
-//! let comparison = Comparison::of(&scene, &frame, &options, &|_, _| ());
+//! let comparison = Comparison::of(&scene, &frame, &options, &|_, _| ())?;
 //! assert!(comparison.is_first_right());
 //! # Ok(())
 //! # }
 //! ```
 
-mod accuracy;
+pub mod accuracy;
 pub mod chart;
 mod clock;
 mod compare;
@@ -33,18 +33,20 @@ mod ladder;
 mod machine;
 mod measure;
 mod memory;
+mod plain_scene;
 mod random;
 pub mod report;
 mod specular_rays;
 pub mod stability;
 mod view_rays;
+mod work;
 
-pub use accuracy::{Fault, Faults, Oracle, judge};
+pub use accuracy::{Fault, Faults, Mistakes, Oracle, WrongRay, judge};
 pub use clock::{Elapsed, Stopwatch};
 pub use compare::{
-    Agreement, BuiltMethod, CompareOptions, Comparison, Contestant, CostPictures, Distances,
-    Entrant, MethodOnSet, Mistakes, NamedRays, PairReport, Phase, RayFileError, Replayed, Said,
-    SetReport, Source, Work, WrongRay, compare_set, rays_of_view, read_rays, replay, write_rays,
+    Agreement, Built, BuiltMethod, CompareOptions, Comparison, Contestant, CostPictures, Distances,
+    Entrant, MethodOnSet, NamedRays, PairReport, Phase, RayFileError, Replayed, Said, SetReport,
+    Source, compare_set, rays_of_view, read_rays, replay, write_rays,
 };
 pub use estimate::Estimate;
 pub use ladder::{Ladder, LadderOptions, LadderStep, StepOnRays, ray_sets};
@@ -52,3 +54,4 @@ pub use machine::{compiled_instructions, machine, processor};
 pub use measure::{BuildCost, Speed, Timing, answers, build, speeds_in_turns, steps};
 pub use memory::MemoryMeter;
 pub use view_rays::{Query, RayPurpose, RaySet, ViewOptions, view_rays};
+pub use work::Work;

@@ -1,4 +1,8 @@
-//! The program's allocator: the system's, which counts bytes on its way.
+//! The program's allocator: the system's, which counts bytes on its way: an atomic addition and an atomic maximum for each allocation.
+//!
+//! What that costs a render, reading and building included (path traced, one sample, callgrind): 0.29 % of the instructions for the 69,451 triangles of the bunny at 96x64, 0.015 %
+//! for `lecture-objects` at 60x40. In user seconds of both threads it cannot be told (bunny, 240x180, 4 samples, seven runs in turns: medians 0.213 with and 0.214 without, runs from 0.201
+//! to 0.232).
 
 use bspray::analysis::MemoryMeter;
 use peakmem_alloc::{PeakMemAlloc, PeakMemAllocTrait};

@@ -6,12 +6,12 @@
 mod bsp_args;
 mod camera_args;
 mod chart;
-mod chart_page;
 mod compare;
 mod diff;
 mod diff_report;
 mod diff_values;
 mod display;
+mod embree_args;
 mod environment_args;
 mod extent_args;
 mod files;

@@ -197,23 +197,9 @@ fn triangle_test(text: &str) -> Result<TriangleTest, String> {
 fn triangle_test_help() -> String {
     let lines = TriangleTest::ALL.map(|t| format!("- {}: {}", t.name(), t.description()));
     format!(
-        "How it is decided what a ray hits. `bsp` and `extents` only take `exact`; the others are there to see what goes wrong\n\n{}",
+        "How it is decided what a ray hits, in every structure; all but `exact` are there to see what goes wrong\n\n{}",
         lines.join("\n")
     )
-}
-
-/// Refuses a test that the structure does not take.
-fn check_triangle_test(args: &RenderArgs) -> anyhow::Result<()> {
-    let (accel, test) = (args.accel, args.intersect);
-    if !accel.takes(test) {
-        let others = AcceleratorKind::ALL.into_iter().filter(|k| k.takes(test));
-        let others: Vec<_> = others.map(AcceleratorKind::name).collect();
-        bail!(UsageError(format!(
-            "--intersect {test}: {accel} only takes exact; {} have it",
-            others.join(", ")
-        )));
-    }
-    Ok(())
 }
 
 /// Renders.
@@ -230,7 +216,6 @@ pub(super) fn run(args: &RenderArgs) -> anyhow::Result<Done> {
     }
     args.extents
         .check(&[args.accel], args.overlay.shows_extents())?;
-    check_triangle_test(args)?;
     args.overlay.check(args.pixel.is_some())?;
     args.lens.check(args.overlay.is_wanted())?;
     let window = window(args)?;

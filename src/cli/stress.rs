@@ -4,13 +4,13 @@ use std::ffi::OsString;
 use std::path::PathBuf;
 
 use anyhow::{Context, bail};
-use bspray::accel::Embree;
 use bspray::analysis::stability::{
     CellTask, Isolation, Method, StressOptions, StressResults, Sweep, answer,
 };
 use bspray::picture::ldr;
 use clap::Args;
 
+use super::embree_args::EmbreeArgs;
 use super::work_bar::WorkBar;
 use super::{Done, UsageError, files, output, stress_page, stress_report, values};
 
@@ -20,6 +20,9 @@ struct Profile(u32, u64, u32);
 const QUICK: Profile = Profile(128, 4_000_000, 3);
 const USUAL: Profile = Profile(1024, 100_000_000, 20);
 const THOROUGH: Profile = Profile(8192, 1_000_000_000, 120);
+
+/// Threads with which Embree builds: steps run beside one another as it is, and equal scenes get equal trees.
+const BUILD_THREADS: usize = 1;
 
 /// Pixels for each float of the sign map.
 const SIGN_SCALE: u32 = 8;
@@ -44,13 +47,12 @@ pub(super) struct StressArgs {
     /// Only these methods and the default structure, with commas between [default: all]
     #[arg(long, value_name = "NAME,...", value_delimiter = ',', long_help = method_help())]
     method: Vec<Method>,
-    /// Embree 4's library, such as /usr/lib/libembree4.so.4, for the methods embree and embree-robust
-    #[arg(long, value_name = "FILE")]
-    embree: Option<PathBuf>,
+    #[command(flatten)]
+    embree: EmbreeArgs,
     /// Rays a step, in place of those of --quick and --thorough
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=values::MOST_RAYS))]
     rays: Option<u32>,
-    /// Seconds for one step of what may run away (a child process), in place of those of --quick and --thorough
+    /// Seconds of processor time for one step of what may run away (a child process), in place of those of --quick and --thorough
     #[arg(long, value_name = "SECONDS", value_parser = clap::value_parser!(u32).range(1..=86_400))]
     time_limit: Option<u32>,
     /// Changes every random number
@@ -76,8 +78,8 @@ pub(super) struct StressArgs {
 /// Arguments of the hidden `bspray stress-cell`.
 #[derive(Args, Debug)]
 pub(super) struct StressCellArgs {
-    #[arg(long)]
-    embree: Option<PathBuf>,
+    #[command(flatten)]
+    embree: EmbreeArgs,
     sweep: String,
     step: usize,
     method: String,
@@ -113,6 +115,10 @@ pub(super) fn run(args: &StressArgs) -> anyhow::Result<Done> {
     let options = options(args)?;
     if let Some(folder) = &args.report {
         files::check_folder(folder)?;
+    }
+    if let Some(path) = &args.sign_map {
+        ldr::LdrFormat::of_path(path).map_err(|e| UsageError(e.to_string()))?;
+        files::check_writable(path, std::iter::empty())?;
     }
     let pool = rayon::ThreadPoolBuilder::new()
         .num_threads(args.threads)
@@ -161,20 +167,16 @@ fn options(args: &StressArgs) -> anyhow::Result<StressOptions> {
             }
         }
     }
-    let embree = loaded(args.embree.as_ref())?;
-    if let (None, Some(method)) = (&embree, args.method.iter().find(|m| m.needs_embree())) {
-        let name = method.name();
-        bail!(UsageError(format!(
-            "--method {name} needs --embree FILE, Embree 4's library"
-        )));
-    }
+    let modes: Vec<_> = args.method.iter().filter_map(|m| m.embree_mode()).collect();
+    let named = (!args.method.is_empty()).then_some(&*modes);
+    let embree = args.embree.load(BUILD_THREADS, "--method", named)?;
     let is_wanted = |m: &Method| {
         let is_there = embree.is_some() || !m.needs_embree();
         let is_named = args.method.is_empty() || args.method.contains(m);
         is_there && (is_named || *m == Method::DEFAULT)
     };
     let mut arguments: Vec<OsString> = vec!["stress-cell".into()];
-    if let Some(path) = &args.embree {
+    if let Some(path) = &args.embree.embree {
         arguments.extend(["--embree".into(), path.into()]);
     }
     let program =
@@ -198,12 +200,6 @@ fn options(args: &StressArgs) -> anyhow::Result<StressOptions> {
     })
 }
 
-/// Embree, if a file is named. It builds on one thread: steps run beside one another as it is, and equal scenes get equal trees.
-fn loaded(path: Option<&PathBuf>) -> anyhow::Result<Option<Embree>> {
-    let load = |path: &PathBuf| Embree::load(path, 1).context("cannot load --embree");
-    path.map(load).transpose()
-}
-
 /// Does one piece of work for a parent.
 pub(super) fn cell(args: &StressCellArgs) -> anyhow::Result<Done> {
     let task = CellTask {
@@ -213,7 +209,7 @@ pub(super) fn cell(args: &StressCellArgs) -> anyhow::Result<Done> {
         rays: args.rays,
         seed: args.seed,
     };
-    let embree = loaded(args.embree.as_ref())?;
+    let embree = args.embree.load(BUILD_THREADS, "--method", None)?;
     output::result(&answer(&task, args.seconds, embree.as_ref()).map_err(UsageError)?)?;
     Ok(Done::Completely)
 }

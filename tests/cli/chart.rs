@@ -13,8 +13,7 @@ fn chart(folder: &std::path::Path, args: &str) -> Ran {
     bspray(folder, &all)
 }
 
-const SMALL: &str =
-    "--resolution 24x16 --repetitions 1 --method bsp,bvh2,bvh2:fast --samples 4,1,4 --max-depth 2";
+const SMALL: &str = "--resolution 24x16 --repetitions 1 --method bsp,bvh2,bsp:fast,extents:double --samples 4,1,4 --max-depth 2";
 
 #[test]
 fn points_have_numbers_and_commands_that_make_them_again() {
@@ -29,7 +28,7 @@ fn points_have_numbers_and_commands_that_make_them_again() {
     let rows = |table: &str| report["tables"][table]["rows"].as_array().unwrap().clone();
     let rays = rows("rays");
     let names: Vec<_> = rays.iter().map(|r| r["method"].as_str().unwrap()).collect();
-    assert_eq!(names, ["bsp", "bvh2", "bvh2:fast"]);
+    assert_eq!(names, ["bsp", "bvh2", "bsp:fast", "extents:double"]);
     for row in &rays[..2] {
         for value in ["wrong at edges", "wrong in view", "depth error, greatest"] {
             assert_eq!(row[value].as_f64(), Some(0.0), "{row}");
@@ -69,7 +68,11 @@ fn points_have_numbers_and_commands_that_make_them_again() {
 fn what_cannot_be_charted_is_said_in_a_line() {
     let folder = tempfile::tempdir().unwrap();
     for (args, words) in [
-        ("--method bsp:exact", "no method"),
+        ("--method bsp:quick", "no method"),
+        (
+            "--method embree-robust",
+            "--method embree-robust needs --embree FILE",
+        ),
         (
             "--method bvh2,bvh2:exact",
             "error: --method names bvh2 twice",
@@ -82,4 +85,30 @@ fn what_cannot_be_charted_is_said_in_a_line() {
         assert!(ran.stderr.contains(words), "{words}: {}", ran.stderr);
     }
     assert_eq!(super::run::names(folder.path()), [""; 0]);
+}
+
+/// Only where the environment names a library.
+#[test]
+fn embree_is_charted_and_its_commands_measure_it_again() {
+    let library = std::env::var("BSPRAY_EMBREE").unwrap_or_default();
+    if library.is_empty() {
+        return;
+    }
+    let folder = tempfile::tempdir().unwrap();
+    let words = "--resolution 24x16 --repetitions 1 --method bsp,embree,embree-robust --samples 1 --max-depth 2";
+    let ran = chart(
+        folder.path(),
+        &format!("{words} --report page --json --quiet --embree {library}"),
+    );
+    assert_eq!(ran.code, Some(0), "{ran:?}");
+    let report: Value = serde_json::from_str(&ran.stdout).expect("one JSON value");
+    for table in ["rays", "pictures"] {
+        let rows = report["tables"][table]["rows"].as_array().unwrap();
+        assert_eq!(rows.len(), 3, "{rows:?}");
+        let command = rows[2]["command"].as_str().unwrap();
+        assert!(command.contains("--method embree-robust"), "{command}");
+        let words: Vec<_> = command.split(' ').skip(1).collect();
+        let again = bspray(folder.path(), &words);
+        assert_eq!(again.code, Some(0), "{command}: {again:?}");
+    }
 }

@@ -199,6 +199,20 @@ fn the_sign_map_is_a_picture() {
 }
 
 #[test]
+fn a_sign_map_that_cannot_be_written_is_refused_before_any_work() {
+    let folder = tempfile::tempdir().expect("a folder");
+    for (path, code, words) in [
+        ("no/signs.png", 1, "no/signs.png: there is no folder no"),
+        ("signs.gif", 2, "there are .png"),
+    ] {
+        let ran = bspray(folder.path(), &["stress", "--sign-map", path]);
+        assert_eq!((ran.code, &*ran.stdout), (Some(code), ""), "{ran:?}");
+        assert!(ran.stderr.contains(words), "{}", ran.stderr);
+        assert_eq!(ran.stderr.lines().count(), 1, "{}", ran.stderr);
+    }
+}
+
+#[test]
 fn what_there_is_not_is_named_with_what_there_is() {
     for (args, words) in [
         (["--sweep", "nothing"], "there are distance"),

@@ -21,7 +21,7 @@ pub struct BuildOptions {
     pub merges_coplanar: bool,
     /// Seed of the polygon tree's random choices.
     pub seed: u64,
-    /// For kinds that [have a choice](crate::accel::AcceleratorKind::takes): how it is decided what a ray hits. All but the exact test break the accelerators' contract.
+    /// How it is decided what a ray hits. All but the exact test break the accelerators' contract.
     pub test: TriangleTest,
     /// For the loop over objects: which extents are tested.
     pub extents: ExtentChoice,

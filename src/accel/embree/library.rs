@@ -65,13 +65,22 @@ functions! {
     occluded = "rtcOccluded1": fn(Handle, *mut ForeignRay, *mut c_void);
 }
 
+/// What a device has allocated, in bytes.
+#[derive(Default)]
+struct Memory {
+    /// And not freed.
+    bytes: AtomicI64,
+    /// The most that it was since somebody looked.
+    peak: AtomicI64,
+}
+
 /// The library with a device of its own, which every scene keeps alive.
 pub(super) struct Device {
     functions: Functions,
     handle: Handle,
     version: String,
-    /// Bytes that the device has allocated and not freed; boxed, since the library has its address.
-    bytes: Box<AtomicI64>,
+    /// Boxed, since the library has its address.
+    memory: Box<Memory>,
     /// Held while a scene is built or released, so that what it allocates is told from what others do.
     changing: Mutex<()>,
 }
@@ -111,7 +120,7 @@ impl Device {
             functions,
             handle,
             version: String::new(),
-            bytes: Box::default(),
+            memory: Box::default(),
             changing: Mutex::new(()),
         };
         if device.handle.is_null() {
@@ -127,10 +136,10 @@ impl Device {
             let path = path.to_owned();
             return Err(EmbreeError::CullsBackFaces { path });
         }
-        let counter: *const AtomicI64 = &raw const *device.bytes;
-        // SAFETY: the counter has this address until the device is dropped, and is dropped after the handle is released.
+        let memory: *const Memory = &raw const *device.memory;
+        // SAFETY: the memory has this address until the device is dropped, and is dropped after the handle is released.
         unsafe {
-            (device.functions.monitor_memory)(device.handle, count_bytes, counter.cast_mut().cast())
+            (device.functions.monitor_memory)(device.handle, count_bytes, memory.cast_mut().cast())
         };
         Ok(device)
     }
@@ -166,14 +175,16 @@ impl Drop for Device {
     }
 }
 
-/// Adds to the counter that was registered with it.
+/// Adds to what was registered with it.
 ///
 /// # Safety
-/// `counter` is an `AtomicI64`.
-unsafe extern "C" fn count_bytes(counter: *mut c_void, bytes: isize, _is_done: bool) -> bool {
+/// `memory` is a [`Memory`].
+unsafe extern "C" fn count_bytes(memory: *mut c_void, bytes: isize, _is_done: bool) -> bool {
     // SAFETY: the caller's promise.
-    let counter = unsafe { &*counter.cast::<AtomicI64>().cast_const() };
-    counter.fetch_add(bytes as i64, Ordering::Relaxed);
+    let memory = unsafe { &*memory.cast::<Memory>().cast_const() };
+    let bytes = bytes as i64;
+    let now = memory.bytes.fetch_add(bytes, Ordering::Relaxed) + bytes;
+    memory.peak.fetch_max(now, Ordering::Relaxed);
     true
 }
 
@@ -188,6 +199,7 @@ pub(super) struct Committed {
     device: Arc<Device>,
     handle: Handle,
     bytes: u64,
+    peak_bytes: u64,
 }
 
 // SAFETY: a scene belongs to no thread, and after `build` it is only asked for hits, which Embree's manual allows from any number of threads at once.
@@ -204,7 +216,9 @@ impl Committed {
     ) -> Result<Self, EmbreeError> {
         let _changing = lock(&device.changing);
         let api = &device.functions;
-        let before = device.bytes.load(Ordering::Relaxed);
+        let memory = &device.memory;
+        let before = memory.bytes.load(Ordering::Relaxed);
+        memory.peak.store(before, Ordering::Relaxed);
         // SAFETY: the handle is a device.
         let handle = unsafe { (api.new_scene)(device.handle) };
         if handle.is_null() {
@@ -228,17 +242,25 @@ impl Committed {
             }
         }
         std::mem::forget(committed);
-        let bytes = device.bytes.load(Ordering::Relaxed) - before;
+        let since = |bytes: &AtomicI64| {
+            u64::try_from(bytes.load(Ordering::Relaxed) - before).unwrap_or_default()
+        };
         Ok(Self {
             device: Arc::clone(device),
             handle,
-            bytes: u64::try_from(bytes).unwrap_or_default(),
+            bytes: since(&memory.bytes),
+            peak_bytes: since(&memory.peak),
         })
     }
 
     /// What the library allocated for the scene: tree, triangles and the buffers that they came in.
     pub(super) fn bytes(&self) -> u64 {
         self.bytes
+    }
+
+    /// The most that it had allocated at once to build it.
+    pub(super) fn peak_bytes(&self) -> u64 {
+        self.peak_bytes
     }
 
     /// The nearest hit, written into what was asked.

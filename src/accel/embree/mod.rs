@@ -73,6 +73,21 @@ pub struct Embree {
     device: Arc<Device>,
 }
 
+impl std::fmt::Debug for Embree {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "Embree {}", self.version())
+    }
+}
+
+impl PartialEq for Embree {
+    /// Whether they share a library.
+    fn eq(&self, other: &Self) -> bool {
+        Arc::ptr_eq(&self.device, &other.device)
+    }
+}
+
+impl Eq for Embree {}
+
 impl Embree {
     /// Loads the library in the file, with so many threads for building; 0 for one a core. It stays loaded until the program ends.
     ///

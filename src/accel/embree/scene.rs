@@ -19,6 +19,11 @@ impl EmbreeScene {
         }
     }
 
+    /// Most bytes that the library had allocated at once for the build; what this program gave it is not among them.
+    pub fn peak_bytes(&self) -> u64 {
+        self.committed.peak_bytes()
+    }
+
     /// The nearest hit from `near` on.
     fn hit_from(&self, ray: &Ray, near: f32) -> Option<Hit> {
         let found = self.committed.closest(ForeignRay::of(ray, near).for_hit());

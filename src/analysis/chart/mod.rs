@@ -4,17 +4,20 @@
 //! [pictures](PicturePoint): time to a picture against its distance from a converged one.
 
 mod aimed;
+mod course;
 mod method;
 mod pictures;
 mod rays;
 
+use course::Course;
+pub use course::Doing;
 pub use method::ChartMethod;
 pub use pictures::{PicturePoint, PicturePoints};
 pub use rays::{DepthError, RayPoint, RayPoints, Wrong};
 
 use glam::Vec3;
 
-use crate::accel::BuildOptions;
+use crate::accel::{BuildOptions, Embree, EmbreeError};
 use crate::render::Integrator;
 use crate::scene::{CameraFrame, Scene};
 
@@ -29,6 +32,8 @@ pub struct ChartOptions {
     pub samples: Vec<u32>,
     /// What else structures are built with.
     pub build: BuildOptions,
+    /// For the methods that need it.
+    pub embree: Option<Embree>,
     /// The camera, for pictures of [`size`](Self::size).
     pub camera: CameraFrame,
     /// Width and height of the view, in pixels.
@@ -45,23 +50,6 @@ pub struct ChartOptions {
     pub up: Vec3,
 }
 
-/// What a chart is at.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Doing {
-    /// Asks the reference, and judges it.
-    Reference,
-    /// Builds a method's structure.
-    Build(ChartMethod),
-    /// Times rays.
-    Trace,
-    /// Judges answers.
-    Judge,
-    /// Renders the reference with so many samples a pixel.
-    Converge(u32),
-    /// Renders a picture of so many samples a pixel.
-    Picture(ChartMethod, u32),
-}
-
 /// All points.
 #[derive(Clone, Debug, Default)]
 pub struct ChartPoints {
@@ -72,12 +60,23 @@ pub struct ChartPoints {
 }
 
 impl ChartPoints {
-    /// Measures. Builds, judges and renders with the threads of the rayon pool in which it is called; rays are timed on one thread.
-    pub fn of(scene: &Scene, options: &ChartOptions, watch: &(dyn Fn(Doing) + Sync)) -> Self {
-        Self {
-            rays: RayPoints::of(scene, options, watch),
-            pictures: PicturePoints::of(scene, options, watch),
-        }
+    /// Measures. `watch` hears what begins, and the share of the work that is done by then, as far as that can be told beforehand. Builds, judges and renders with the threads of the rayon pool in which it is called; rays are timed on one thread.
+    ///
+    /// # Errors
+    /// If a foreign library cannot build its structure.
+    ///
+    /// # Panics
+    /// If a method needs Embree and that is not there.
+    pub fn of(
+        scene: &Scene,
+        options: &ChartOptions,
+        watch: &(dyn Fn(Doing, f64) + Sync),
+    ) -> Result<Self, EmbreeError> {
+        let course = Course::new(options, watch);
+        Ok(Self {
+            rays: RayPoints::of(scene, options, &course)?,
+            pictures: PicturePoints::of(scene, options, &course)?,
+        })
     }
 
     /// Whether the reference was right wherever it was judged, and no exact method was wrong.

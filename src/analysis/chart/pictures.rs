@@ -5,8 +5,10 @@ use std::time::Instant;
 
 use glam::Vec3;
 
+use super::ChartOptions;
+use super::course::{Course, Doing};
 use super::method::ChartMethod;
-use super::{ChartOptions, Doing};
+use crate::accel::EmbreeError;
 use crate::analysis::Estimate;
 use crate::analysis::images::{ColorErrors, Colors, PIXELS_PER_DEGREE, flip_hdr};
 use crate::picture::Encoding;
@@ -14,7 +16,7 @@ use crate::render::{self, PixelFilter, PixelRect, RenderOptions, SkyMode, Stage}
 use crate::scene::Scene;
 
 /// The reference has as many samples a pixel for each of the most careful picture's: a quarter of the error's root is its own at most.
-const REFERENCE_SAMPLES: u32 = 16;
+pub(super) const REFERENCE_SAMPLES: u32 = 16;
 
 /// A picture as a point.
 #[derive(Clone, Debug)]
@@ -48,28 +50,30 @@ impl PicturePoints {
     pub(super) fn of(
         scene: &Scene,
         options: &ChartOptions,
-        watch: &(dyn Fn(Doing) + Sync),
-    ) -> Self {
+        course: &Course,
+    ) -> Result<Self, EmbreeError> {
         let Some(&most) = options.samples.iter().max() else {
-            return Self::default();
+            return Ok(Self::default());
         };
         let reference_samples = most * REFERENCE_SAMPLES;
         let usual: ChartMethod = "bsp".parse().expect("the default structure is a method");
-        watch(Doing::Converge(reference_samples));
+        course.begin(Doing::Converge(reference_samples));
         // Other random numbers than those of any picture.
         let seed = options.seed.wrapping_add(1);
-        let (reference, _) = picture(scene, options, &usual, reference_samples, seed);
+        let (reference, _) = picture(scene, options, &usual, reference_samples, seed)?;
+        course.samples(reference_samples);
         let mut points = Vec::new();
         for method in &options.picture_methods {
             for &samples in &options.samples {
-                watch(Doing::Picture(*method, samples));
-                let mut colors = Vec::new();
-                let seconds = (0..options.repetitions.max(1)).map(|_| {
-                    let (found, seconds) = picture(scene, options, method, samples, options.seed);
-                    colors = found;
-                    seconds
-                });
-                let Some(seconds) = Estimate::of(seconds.collect(), u64::from(options.seed)) else {
+                course.begin(Doing::Picture(*method, samples));
+                let (mut colors, mut seconds) = (Vec::new(), Vec::new());
+                for _ in 0..options.repetitions.max(1) {
+                    let found = picture(scene, options, method, samples, options.seed)?;
+                    colors = found.0;
+                    seconds.push(found.1);
+                    course.samples(samples);
+                }
+                let Some(seconds) = Estimate::of(seconds, u64::from(options.seed)) else {
                     continue;
                 };
                 let [test, truth] = [&colors, &reference].map(|c| Colors {
@@ -88,11 +92,11 @@ impl PicturePoints {
                 });
             }
         }
-        Self {
+        Ok(Self {
             points,
             reference_samples,
             reference,
-        }
+        })
     }
 }
 
@@ -103,7 +107,7 @@ fn picture(
     method: &ChartMethod,
     samples: u32,
     seed: u32,
-) -> (Vec<Vec3>, f64) {
+) -> Result<(Vec<Vec3>, f64), EmbreeError> {
     let (width, height) = options.size;
     let render = RenderOptions {
         size: options.size,
@@ -121,9 +125,7 @@ fn picture(
         wants_layers: false,
     };
     let started = Instant::now();
-    let accelerator = method
-        .kind
-        .build_with(scene, &method.options(&options.build));
+    let accelerator = method.build(scene, &options.build, options.embree.as_ref())?;
     let stage = Stage::new(scene, &*accelerator, options.up, SkyMode::Auto);
     let film = render::render(&stage, &options.camera, &render, &AtomicBool::new(false));
     let seconds = started.elapsed().as_secs_f64();
@@ -131,5 +133,5 @@ fn picture(
         let mean = pixel.sum.mean();
         mean.color + mean.backdrop
     });
-    (colors, seconds)
+    Ok((colors, seconds))
 }

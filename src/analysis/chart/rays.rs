@@ -2,15 +2,16 @@
 
 use rayon::prelude::*;
 
+use super::ChartOptions;
 use super::aimed::at_edges;
+use super::course::{Course, Doing};
 use super::method::ChartMethod;
-use super::{ChartOptions, Doing};
-use crate::accel::{Accelerator, AcceleratorKind, Hit};
+use crate::accel::{Accelerator, AcceleratorKind, EmbreeError, Hit};
+use crate::analysis::accuracy::verdict::{self, Verdict};
+use crate::analysis::accuracy::{Kind, Oracle, judge};
 use crate::analysis::measure::{self, BuildCost, Speed};
-use crate::analysis::stability::verdict::{self, Verdict};
-use crate::analysis::stability::{Kind, Rate};
+use crate::analysis::stability::Rate;
 use crate::analysis::view_rays::{Query, RayPurpose, RaySet, ViewOptions, view_rays};
-use crate::analysis::{Oracle, judge};
 use crate::render::{Answer, SkyMode, Stage};
 use crate::scene::Scene;
 
@@ -75,12 +76,12 @@ impl RayPoints {
     pub(super) fn of(
         scene: &Scene,
         options: &ChartOptions,
-        watch: &(dyn Fn(Doing) + Sync),
-    ) -> Self {
+        course: &Course,
+    ) -> Result<Self, EmbreeError> {
         if options.methods.is_empty() {
-            return Self::default();
+            return Ok(Self::default());
         }
-        watch(Doing::Reference);
+        course.begin(Doing::Reference);
         let reference = AcceleratorKind::Bsp.build(scene);
         let [view, edges] = sets(scene, &*reference, options);
         let oracle = Oracle::new(scene);
@@ -95,42 +96,41 @@ impl RayPoints {
             sampled += of_set;
             reference_wrong += wrong;
         }
-        let built: Vec<_> = options
-            .methods
-            .iter()
-            .map(|method| {
-                watch(Doing::Build(*method));
-                let once = || {
-                    method
-                        .kind
-                        .build_with(scene, &method.options(&options.build))
-                };
-                measure::build(&once, None)
-            })
-            .collect();
+        course.methods(3.0);
+        let mut built = Vec::new();
+        for method in &options.methods {
+            course.begin(Doing::Build(*method));
+            let once = || method.build(scene, &options.build, options.embree.as_ref());
+            let (accelerator, cost) = measure::build(&once, None);
+            built.push((accelerator?, cost));
+            course.methods(1.0);
+        }
         let accelerators: Vec<&dyn Accelerator> = built.iter().map(|(a, _)| &**a).collect();
-        watch(Doing::Trace);
+        course.begin(Doing::Trace);
+        let round = built.len() as f64 / (options.repetitions + 1) as f64;
         let speeds = measure::speeds_in_turns(
             &accelerators,
             &view,
             options.repetitions,
             options.seed,
-            &|| (),
+            &|| course.methods(round),
         );
-        watch(Doing::Judge);
+        course.begin(Doing::Judge);
         let point = |(index, method): (usize, &ChartMethod)| {
             let (accelerator, build) = &built[index];
             let judged = |set, known| wrong(&oracle, &**accelerator, method, set, known);
-            Some(RayPoint {
+            let point = RayPoint {
                 method: *method,
                 build: *build,
                 bytes: accelerator.build_stats().bytes,
                 speed: speeds.as_ref()?[index],
                 view: judged(&view, &known[0]),
                 edges: judged(&edges, &known[1]),
-            })
+            };
+            course.methods(1.0);
+            Some(point)
         };
-        Self {
+        Ok(Self {
             points: options
                 .methods
                 .iter()
@@ -139,7 +139,7 @@ impl RayPoints {
                 .collect(),
             judged: [(view.rays.len() + edges.rays.len()) as u64, sampled],
             reference_wrong,
-        }
+        })
     }
 }
 

@@ -1,7 +1,7 @@
 //! Who is compared: a name, a way to build, and what its answers owe. The one place to add another kind of method.
 
-use super::defaults::Work;
-use crate::accel::{Accelerator, AcceleratorKind, BuildOptions};
+use crate::accel::{Accelerator, AcceleratorKind, BuildOptions, Embree, EmbreeError, EmbreeMode};
+use crate::analysis::work::Work;
 use crate::scene::Scene;
 
 /// Where a method comes from.
@@ -9,6 +9,8 @@ use crate::scene::Scene;
 pub enum Source {
     /// One of the crate's own structures.
     Structure(AcceleratorKind),
+    /// Embree, loaded from a file; asked for one ray at a time, as all others are (`rtcIntersect1`, `rtcOccluded1`).
+    Embree(Embree, EmbreeMode),
 }
 
 /// A method of a comparison.
@@ -22,6 +24,14 @@ pub struct Contestant {
     pub owes_exact: bool,
 }
 
+/// A method, built.
+pub struct Built {
+    /// What answers.
+    pub accelerator: Box<dyn Accelerator>,
+    /// Most bytes that a foreign library had at once for the build; nothing of ours counts them.
+    pub foreign_peak_bytes: u64,
+}
+
 impl Contestant {
     /// One of the crate's own structures.
     pub fn structure(kind: AcceleratorKind) -> Self {
@@ -32,44 +42,59 @@ impl Contestant {
         }
     }
 
-    /// All that there are, the default first.
-    pub fn all() -> Vec<Self> {
-        AcceleratorKind::ALL.map(Self::structure).to_vec()
+    /// Embree as the library that was loaded has it.
+    pub fn embree(library: &Embree, mode: EmbreeMode) -> Self {
+        Self {
+            name: mode.name().to_owned(),
+            source: Source::Embree(library.clone(), mode),
+            owes_exact: false,
+        }
     }
 
-    /// Those that a comparison of so much work has if none is named, and for each of the others why not.
+    /// Our structures that a comparison of so much work has if none is named, the default first, and for each of the others why not.
     pub fn defaults(work: &Work) -> (Vec<Self>, Vec<String>) {
         let (mut taken, mut left_out) = (Vec::new(), Vec::new());
-        for contestant in Self::all() {
-            let Source::Structure(kind) = contestant.source;
+        for kind in AcceleratorKind::ALL {
             match work.too_much_for(kind) {
-                None => taken.push(contestant),
-                Some(reason) => left_out.push(format!(
-                    "{} is left out: {reason}; --accel can name it",
-                    contestant.name
-                )),
+                None => taken.push(Self::structure(kind)),
+                Some(reason) => {
+                    left_out.push(format!("{kind} is left out: {reason}; --accel can name it"));
+                }
             }
         }
         (taken, left_out)
     }
 
-    /// The structure, if it is one.
+    /// The structure, if it is one of ours.
     pub fn kind(&self) -> Option<AcceleratorKind> {
-        let Source::Structure(kind) = self.source;
-        Some(kind)
-    }
-
-    /// Builds it over all instances of the scene.
-    pub fn build(&self, scene: &Scene, options: &BuildOptions) -> Box<dyn Accelerator> {
         match self.source {
-            Source::Structure(kind) => kind.build_with(scene, options),
+            Source::Structure(kind) => Some(kind),
+            Source::Embree(..) => None,
         }
     }
 
-    /// The method that has the same triangle test and no structure, to tell whose error an error is.
-    pub fn brute_force(&self) -> Self {
-        match self.source {
-            Source::Structure(_) => Self::structure(AcceleratorKind::Linear),
+    /// Whether it tells its steps of traversal. A foreign library does not.
+    pub fn counts_steps(&self) -> bool {
+        self.kind().is_some()
+    }
+
+    /// Builds it over all instances of the scene.
+    ///
+    /// # Errors
+    /// What a foreign library reports, such as that it has not enough memory.
+    pub fn build(&self, scene: &Scene, options: &BuildOptions) -> Result<Built, EmbreeError> {
+        match &self.source {
+            Source::Structure(kind) => Ok(Built {
+                accelerator: kind.build_with(scene, options),
+                foreign_peak_bytes: 0,
+            }),
+            Source::Embree(embree, mode) => {
+                let scene = embree.build(scene, *mode)?;
+                Ok(Built {
+                    foreign_peak_bytes: scene.peak_bytes(),
+                    accelerator: Box::new(scene),
+                })
+            }
         }
     }
 }

@@ -22,7 +22,7 @@ const AGREEMENT_COLORS: [[f32; 3]; 4] = [
 pub struct CostPictures {
     /// Columns and rows.
     pub size: (u32, u32),
-    /// For each method its name, and the steps of each pixel: inner nodes, leaves, triangle tests, tests of extents.
+    /// For each method that counts its steps its name, and the steps of each pixel: inner nodes, leaves, triangle tests, tests of extents.
     methods: Vec<(String, Vec<[u32; 4]>)>,
     /// For each pixel the worst agreement of any method with the first.
     agreements: Vec<Agreement>,
@@ -39,7 +39,7 @@ impl CostPictures {
         let mut first = Vec::new();
         let mut agreements = vec![Agreement::Same; rays.len()];
         let mut methods = Vec::new();
-        for entrant in entrants {
+        for (index, entrant) in entrants.iter().enumerate() {
             let trace = |ray| {
                 let mut c = TraceCounters::default();
                 let hit = entrant.accelerator.closest_hit_counted(ray, &mut c);
@@ -48,14 +48,24 @@ impl CostPictures {
                 (steps, Answer::Closest(hit))
             };
             let (steps, answers): (Vec<_>, Vec<_>) = rays.par_iter().map(trace).unzip();
-            if first.is_empty() {
+            if index == 0 {
                 first = answers;
             } else {
-                for (agreement, (a, b)) in agreements.iter_mut().zip(first.iter().zip(answers)) {
-                    *agreement = Agreement::of(*a, b).max(*agreement);
+                let is_exact = [entrants[0], *entrant]
+                    .iter()
+                    .all(|e| e.contestant.owes_exact);
+                let agreement = if is_exact {
+                    Agreement::of
+                } else {
+                    Agreement::in_single_precision
+                };
+                for (worst, (a, b)) in agreements.iter_mut().zip(first.iter().zip(answers)) {
+                    *worst = agreement(*a, b).max(*worst);
                 }
             }
-            methods.push((entrant.contestant.name.clone(), steps));
+            if entrant.contestant.counts_steps() {
+                methods.push((entrant.contestant.name.clone(), steps));
+            }
         }
         Self {
             size,
@@ -92,7 +102,7 @@ impl CostPictures {
         picture.with_channel(Channel::new("disagreement", Samples::U32(classes)))
     }
 
-    /// The names of the methods.
+    /// The names of the methods that count their steps.
     pub fn names(&self) -> impl Iterator<Item = &str> {
         self.methods.iter().map(|(name, _)| name.as_str())
     }
@@ -160,7 +170,7 @@ mod tests {
         let contestants = contestants.map(Contestant::structure);
         let built = contestants
             .clone()
-            .map(|c| c.build(&scene, &Default::default()));
+            .map(|c| c.build(&scene, &Default::default()).unwrap().accelerator);
         let entrants = [0, 1].map(|i| Entrant {
             contestant: &contestants[i],
             accelerator: &*built[i],

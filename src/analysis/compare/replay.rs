@@ -1,9 +1,9 @@
 //! Rays asked again, one by one, of every method and of exact arithmetic.
 
 use super::contestant::Entrant;
-use super::dispute::verdict;
+use crate::analysis::accuracy::dispute::verdict;
+use crate::analysis::accuracy::verdict::Verdict;
 use crate::analysis::accuracy::{Fault, Oracle};
-use crate::analysis::stability::verdict::Verdict;
 use crate::analysis::view_rays::{Query, RaySet};
 use crate::geometry::Ray;
 use crate::render::Answer;
@@ -74,7 +74,7 @@ mod tests {
         let contestants = [AcceleratorKind::Bsp, AcceleratorKind::Cwbvh].map(Contestant::structure);
         let built = contestants
             .clone()
-            .map(|c| c.build(&scene, &Default::default()));
+            .map(|c| c.build(&scene, &Default::default()).unwrap().accelerator);
         let entrants = [0, 1].map(|i| Entrant {
             contestant: &contestants[i],
             accelerator: &*built[i],

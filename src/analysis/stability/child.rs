@@ -5,9 +5,9 @@ use std::path::PathBuf;
 use std::process::{Child, Command, ExitStatus, Stdio};
 use std::time::{Duration, Instant};
 
+use super::ending::Ending;
 use super::judged::{CellReply, Judged};
-use super::kinds::Ending;
-use super::limits::limit_this_process;
+use super::limits::{is_out_of_time, limit_this_process};
 use super::methods::Method;
 use super::results::Cell;
 use super::sweeps::Sweep;
@@ -26,7 +26,7 @@ pub struct Isolation {
     pub program: PathBuf,
     /// Its first arguments.
     pub arguments: Vec<OsString>,
-    /// Seconds until it is ended.
+    /// Seconds of processor time until it is ended.
     pub seconds: u32,
 }
 
@@ -45,6 +45,10 @@ pub struct CellTask {
     pub seed: u64,
 }
 
+/// Seconds by the clock for each second of processor time: a child ends itself by the latter, so that a busy machine blames nobody. The parent's clock is for those that sleep, and
+/// for systems without such limits.
+const WAITED: u64 = 8;
+
 /// Does the task in this process, under limits on its memory and time, and returns the result as JSON. For child processes.
 ///
 /// # Errors
@@ -59,7 +63,7 @@ pub fn answer(task: &CellTask, seconds: u32, embree: Option<&Embree>) -> Result<
     if method.needs_embree() && embree.is_none() {
         return Err(format!("{} needs Embree", method.name()));
     }
-    limit_this_process(MEMORY, u64::from(seconds) + 1);
+    limit_this_process(MEMORY, u64::from(seconds));
     let case = sweep.case(*value, task.rays, task.seed);
     let reply = Judged::of(&case).cell(method, embree);
     serde_json::to_string(&reply).map_err(|error| error.to_string())
@@ -91,20 +95,16 @@ pub(super) fn ask(isolation: &Isolation, task: &CellTask) -> CellReply {
         Ok(child) => child,
         Err(error) => return died(format!("did not start: {error}")),
     };
-    match wait(
-        &mut child,
-        Duration::from_secs(u64::from(isolation.seconds)),
-    ) {
+    let seconds = isolation.seconds;
+    let did_not_end = || ended(Ending::DidNotEnd { seconds });
+    match wait(&mut child, Duration::from_secs(u64::from(seconds) * WAITED)) {
         Err(error) => return died(error.to_string()),
-        Ok(false) => {
-            return ended(Ending::DidNotEnd {
-                seconds: isolation.seconds,
-            });
-        }
+        Ok(false) => return did_not_end(),
         Ok(true) => {}
     }
     match child.wait_with_output() {
         Err(error) => died(error.to_string()),
+        Ok(output) if is_out_of_time(output.status) => did_not_end(),
         Ok(output) if output.status.success() => serde_json::from_slice(&output.stdout)
             .unwrap_or_else(|error| died(format!("unreadable answer: {error}"))),
         Ok(output) => died(how(output.status, &String::from_utf8_lossy(&output.stderr))),
@@ -164,7 +164,9 @@ mod tests {
         let died = |how: &str| Ending::Died {
             how: how.to_owned(),
         };
-        assert_eq!(run("sleep 20"), Ending::DidNotEnd { seconds: 1 });
+        let did_not_end = Ending::DidNotEnd { seconds: 1 };
+        assert_eq!(run("sleep 20"), did_not_end);
+        assert_eq!(run("ulimit -S -t 1; while :; do :; done"), did_not_end);
         assert_eq!(
             run("echo thread main has overflowed its stack >&2; kill -ABRT $$"),
             died("stack overflow")

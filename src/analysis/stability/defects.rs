@@ -1,8 +1,9 @@
 //! The defects of obvhs 0.4.0 that are known, and where a run shows them. A defect that a newer obvhs has not is reported as not found.
 
-use super::kinds::{Blame, Ending};
+use super::ending::Ending;
 use super::results::{DefectResult, FormulaResult, SweepResult, parameter_text};
 use crate::accel::{FormulaCheck, formula_checks};
+use crate::analysis::accuracy::Blame;
 
 /// What shows a defect.
 enum Shown {

@@ -2,15 +2,15 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::kinds::{Blame, Kind, Trouble};
 use super::methods::{Built, Method};
 use super::results::{Cell, HitRecord, RayRecord, Step, WrongAnswer};
 use super::statistics::Rate;
 use super::sweeps::Case;
-use super::trouble::Wrong;
 use super::truth::{Truth, Truths};
-use super::verdict::{self, Verdict};
 use crate::accel::{Domain, Embree, Hit};
+use crate::analysis::accuracy::trouble::Wrong;
+use crate::analysis::accuracy::verdict::{self, Verdict};
+use crate::analysis::accuracy::{Blame, Kind, Trouble};
 use crate::geometry::Ray;
 use crate::render::Answer;
 use crate::scene::Scene;

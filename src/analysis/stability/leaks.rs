@@ -8,6 +8,7 @@ use super::results::LeakResult;
 use super::statistics::Rate;
 use super::sweeps::shapes::{self, Shape};
 use crate::accel::Embree;
+use crate::analysis::plain_scene::scene_of;
 use crate::geometry::Ray;
 
 /// Rays that are sent together; also what a thread takes at a time.
@@ -25,7 +26,7 @@ pub(super) fn leaks(
     watch: &(dyn Fn(u64) + Sync),
 ) -> Vec<LeakResult> {
     let shape = shapes::ball(36, 48);
-    let scene = shapes::scene_of(&shape.positions, &shape.triangles);
+    let scene = scene_of(&shape.positions, &shape.triangles);
     let of_method = |&method: &Method| {
         let built = method.build(&scene, embree);
         let is_default = method == Method::DEFAULT;

@@ -1,10 +1,11 @@
 //! The methods whose answers are looked at: all accelerators, and what they are better than. The one registry of `stress`.
 
-use super::alone::Alone;
 use super::naive::{EpsilonBsp, Every};
 use crate::accel::{
     Accelerator, AcceleratorKind, AsShipped, BuildOptions, Embree, EmbreeMode, Hit, ShippedTree,
+    world_triangles,
 };
+use crate::analysis::accuracy::alone::Alone;
 use crate::geometry::{Ray, TriangleTest};
 use crate::render::Answer;
 use crate::scene::Scene;
@@ -118,9 +119,17 @@ impl Method {
         matches!(self, Self::Structure(_))
     }
 
+    /// Embree's mode, of a method that is Embree's.
+    pub const fn embree_mode(self) -> Option<EmbreeMode> {
+        match self {
+            Self::Embree(mode) => Some(mode),
+            _ => None,
+        }
+    }
+
     /// Whether it is asked only where Embree is loaded.
     pub const fn needs_embree(self) -> bool {
-        matches!(self, Self::Embree(_))
+        self.embree_mode().is_some()
     }
 
     /// Whether it may not end, or end the process.
@@ -157,7 +166,9 @@ impl Method {
     /// What answers with its triangle test and no structure.
     pub(super) fn build_brute_force(self, scene: &Scene, embree: Option<&Embree>) -> Built {
         match (self, self.brute_force()) {
-            (Self::Embree(mode), _) => Built::Alone(Alone::build(scene, loaded(embree), mode)),
+            (Self::Embree(mode), _) => {
+                Built::Alone(Alone::of(world_triangles(scene), loaded(embree), mode))
+            }
             (_, brute) => brute.unwrap_or(self).build(scene, embree),
         }
     }

@@ -28,11 +28,10 @@
 //! # Ok::<(), String>(())
 //! ```
 
-mod alone;
 mod child;
 mod defects;
+mod ending;
 mod judged;
-mod kinds;
 mod leaks;
 mod limits;
 mod methods;
@@ -43,12 +42,11 @@ mod runner;
 mod sign_map;
 mod statistics;
 mod sweeps;
-mod trouble;
 mod truth;
-pub(super) mod verdict;
 
+pub use super::accuracy::{Blame, Kind, Trouble};
 pub use child::{CellTask, Isolation, answer};
-pub use kinds::{Blame, Ending, Kind, Trouble};
+pub use ending::Ending;
 pub use methods::Method;
 pub use results::{
     Cell, DefectResult, FirstFailure, FormulaResult, HitRecord, LeakResult, MethodResult,

@@ -2,9 +2,10 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::kinds::{Blame, Ending, Kind, Trouble};
+use super::ending::Ending;
 use super::statistics::Rate;
 use crate::accel::Hit;
+use crate::analysis::accuracy::{Blame, Kind, Trouble};
 use crate::geometry::Ray;
 
 /// A parameter in words: small integers as they are, others by powers of ten.

@@ -4,8 +4,8 @@ use rayon::prelude::*;
 
 use super::child::{self, CellTask, Isolation};
 use super::defects;
+use super::ending::Ending;
 use super::judged::{CellReply, Judged};
-use super::kinds::Ending;
 use super::leaks::leaks;
 use super::methods::Method;
 use super::results::{Cell, FirstFailure, MethodResult, SignMap, Step, StressResults, SweepResult};

@@ -3,8 +3,7 @@
 use std::collections::HashMap;
 
 use crate::accel::{Hit, TestSpaces};
-use crate::analysis::Oracle;
-use crate::analysis::accuracy::exact_hit;
+use crate::analysis::accuracy::{Oracle, exact_hit};
 use crate::geometry::{Ray, Triangle};
 use crate::scene::Scene;
 

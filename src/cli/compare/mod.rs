@@ -1,5 +1,6 @@
 //! `bspray compare`: structures beside one another on the same rays, those of one view or those that a user brings.
 
+mod contestants;
 mod page;
 mod page_tables;
 mod profile;
@@ -11,7 +12,7 @@ mod table;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, bail};
-use bspray::accel::AcceleratorKind;
+use bspray::accel::{AcceleratorKind, Embree};
 use bspray::analysis::{
     CompareOptions, Comparison, Contestant, NamedRays, Phase, Work, rays_of_view, write_rays,
 };
@@ -19,6 +20,7 @@ use bspray::picture::exr::write as write_exr;
 use bspray::scene::Scene;
 use clap::Args;
 
+use self::contestants::ContestantArgs;
 use self::profile::ProfileArgs;
 use self::report::CompareReport;
 use super::bsp_args::BspArgs;
@@ -26,12 +28,10 @@ use super::camera_args::{self, CameraArgs};
 use super::extent_args::ExtentArgs;
 use super::model_args::ModelArgs;
 use super::work_bar::WorkBar;
-use super::{Done, UsageError, files, memory, output, render, values};
+use super::{Done, UsageError, files, memory, output, values};
 
 /// Most pixels whose costs are counted: some hundred bytes each.
 const MOST_COST_PIXELS: u64 = 1 << 24;
-
-const ACCEL_HELP: &str = "The structures, with commas between; the others are measured by the first [default: all whose work ends soon]";
 
 /// Arguments of `bspray compare`.
 #[derive(Args, Debug)]
@@ -43,9 +43,8 @@ const ACCEL_HELP: &str = "The structures, with commas between; the others are me
 pub(super) struct CompareArgs {
     #[command(flatten)]
     input: ModelArgs,
-    #[arg(long, value_name = "KIND,...", value_delimiter = ',', value_parser = values::accelerator,
-        help = ACCEL_HELP, long_help = render::accelerator_help(ACCEL_HELP))]
-    accel: Vec<AcceleratorKind>,
+    #[command(flatten)]
+    contestants: ContestantArgs,
     #[command(flatten)]
     bsp: BspArgs,
     #[command(flatten)]
@@ -92,6 +91,7 @@ pub(super) struct CompareArgs {
 /// Compares and tells.
 pub(super) fn run(args: &CompareArgs) -> anyhow::Result<Done> {
     check(args)?;
+    let embree = args.contestants.embree(args.threads)?;
     let paths: Vec<PathBuf> = args.rays.iter().chain(&args.replay).cloned().collect();
     let rays = ray_files::read(&paths)?;
     let scene = args.input.load()?;
@@ -103,7 +103,7 @@ pub(super) fn run(args: &CompareArgs) -> anyhow::Result<Done> {
     let size = args.profile.profile().size;
     let camera = args.camera.choose(&scene, size)?;
     let view = camera_args::view(&camera, size, 0.0)?;
-    let (mut options, left_out) = options(args, &scene, rays)?;
+    let (mut options, left_out) = options(args, &scene, rays, embree.as_ref())?;
     options.build = args.extents.add_to(options.build, view);
     if !args.quiet {
         left_out
@@ -137,6 +137,7 @@ pub(super) fn run(args: &CompareArgs) -> anyhow::Result<Done> {
     let watch = |phase: Phase, done: f64| bar.reach(done, phase.to_string());
     let comparison = pool.install(|| Comparison::of(&scene, &view.camera, &options, &watch));
     bar.end();
+    let comparison = comparison?;
     let report = CompareReport {
         models: &args.input.models,
         scene: &scene,
@@ -157,11 +158,7 @@ pub(super) fn run(args: &CompareArgs) -> anyhow::Result<Done> {
 
 /// Refuses what cannot be, before any work.
 fn check(args: &CompareArgs) -> anyhow::Result<()> {
-    for (index, kind) in args.accel.iter().enumerate() {
-        if args.accel[..index].contains(kind) {
-            bail!(UsageError(format!("--accel names {kind} twice")));
-        }
-    }
+    args.contestants.check()?;
     for folder in args.report.iter().chain(&args.write_rays) {
         files::check_folder(folder)?;
     }
@@ -193,16 +190,13 @@ fn options(
     args: &CompareArgs,
     scene: &Scene,
     rays: Vec<NamedRays>,
+    embree: Option<&Embree>,
 ) -> anyhow::Result<(CompareOptions, Vec<String>)> {
     let profile = args.profile.profile();
-    let most = rays.iter().map(|r| r.set.rays.len()).max();
-    let (contestants, left_out) = if args.accel.is_empty() {
-        let most = most.unwrap_or(profile.rays as usize);
-        Contestant::defaults(&Work::of(scene, most))
-    } else {
-        let named = args.accel.iter().copied().map(Contestant::structure);
-        (named.collect(), Vec::new())
-    };
+    let brought = rays.iter().map(|r| r.set.rays.len()).max();
+    let most = brought.unwrap_or_else(|| profile.most_rays());
+    let work = Work::of(scene, most, 1);
+    let (contestants, left_out) = args.contestants.choose(embree, &work);
     let kinds: Vec<_> = contestants.iter().filter_map(Contestant::kind).collect();
     args.extents.check(&kinds, false)?;
     let options = CompareOptions {
@@ -271,7 +265,7 @@ mod tests {
             ..CompareOptions::default()
         };
         let frame = camera.frame(8, 8).unwrap();
-        let mut comparison = Comparison::of(&scene, &frame, &options, &|_, _| ());
+        let mut comparison = Comparison::of(&scene, &frame, &options, &|_, _| ()).unwrap();
         assert_eq!(verdict(&comparison).code(), 0);
         let wrong = |c: &mut Comparison, m: usize| {
             c.sets[3].methods[m].mistakes.faults.add(Fault::Ghost);

@@ -5,13 +5,18 @@ use bspray::analysis::report::{
     Layers, PicturePair, Provenance, Report, Section, ShownPicture, Tone,
 };
 use bspray::analysis::{
-    Agreement, CostPictures, Estimate, NamedRays, SetReport, Source, compiled_instructions,
+    Agreement, Contestant, CostPictures, Estimate, NamedRays, SetReport, Source,
+    compiled_instructions,
 };
 
 use super::page_tables as tables;
 use super::report::CompareReport;
 use super::table::not_significant;
 use crate::cli::metadata::command_line;
+
+/// What is to be known of Embree's part.
+const EMBREE: &str = "Embree is asked for one ray at a time, as all structures are here (rtcIntersect1, rtcOccluded1), and gets every triangle in world space: it has no instances where our structures have a mesh once that is placed several times. It works in single precision and is held to \
+    that: it owes the nearest triangle at a depth that is right to half of the digits, and not the exact one. Its steps are not told; its memory is what it reports, the triangles' buffers among it.";
 
 /// The page; `wrong` are the files of wrong rays beside it.
 pub(super) fn page(report: &CompareReport, wrong: &[NamedRays]) -> Report {
@@ -32,6 +37,12 @@ pub(super) fn page(report: &CompareReport, wrong: &[NamedRays]) -> Report {
     heading(&mut page, "Speed");
     paragraph(
         &mut page,
+        "Eye rays go through the centres of pixels. From what they meet go shadow rays to lights, mirror and refraction rays, ambient rays (a tenth of the scene's diagonal long, into the hemisphere) \
+        and bounces (the same without an end). Shadow and ambient rays ask whether anything is hit, all others for the nearest hit."
+            .to_owned(),
+    );
+    paragraph(
+        &mut page,
         "Rays a second of processor time on one thread. In each repetition every structure is asked in turn; a ratio is taken within a repetition. Medians \
         have the 95 % intervals of the bootstrap, and a ratio whose interval has 1 in it is called not significant. Steps are counted apart from the timing."
             .to_owned(),
@@ -39,9 +50,12 @@ pub(super) fn page(report: &CompareReport, wrong: &[NamedRays]) -> Report {
     page.push(Section::Chart(tables::speeds(report)));
     page.push(Section::Table(tables::rays(report)));
     heading(&mut page, "Steps");
-    page.push(Section::Chart(tables::triangle_tests(report)));
+    let is_counted = |c: &Contestant| c.counts_steps();
+    if report.options.contestants.iter().any(is_counted) {
+        page.push(Section::Chart(tables::triangle_tests(report)));
+    }
     if let Some(costs) = &report.comparison.costs {
-        pictures(costs, &mut page);
+        pictures(costs, report.names()[0], &mut page);
     }
     heading(&mut page, "Builds");
     paragraph(
@@ -59,8 +73,9 @@ pub(super) fn page(report: &CompareReport, wrong: &[NamedRays]) -> Report {
     heading(&mut page, "Who is right");
     paragraph(
         &mut page,
-        "Every ray that the structures answer differently is judged by exact arithmetic, and so is a sample of the others. An error is the triangle test's if brute force with \
-        the same test makes it too, and the traversal's otherwise."
+        "Every ray whose answers cannot all be right is judged by exact arithmetic against every triangle, and so is a sample of the others. A hole misses a hit, a ghost hits nothing, a wrong depth is not the \
+        nearest hit, a wrong name is another triangle there. An error is the triangle test's if brute force with the same test makes it too, and the traversal's otherwise. Unresolved are answers in single precision that name another \
+        triangle at the true depth, as far as such numbers tell: no errors."
             .to_owned(),
     );
     page.push(Section::Table(tables::answers(report)));
@@ -91,6 +106,9 @@ fn provenance(report: &CompareReport) -> Provenance {
                 options.build.instructions.name_in_use().to_owned()
             }
             Source::Structure(_) => format!("as compiled: {}", compiled_instructions()),
+            Source::Embree(ref embree, _) => {
+                format!("chosen by the library, Embree {}", embree.version())
+            }
         };
         provenance = provenance.with(&format!("instructions of {contestant}"), &instructions);
     }
@@ -100,7 +118,7 @@ fn provenance(report: &CompareReport) -> Provenance {
 /// Who is right, and how fast the first is beside the best of the others.
 fn verdict(report: &CompareReport) -> (Tone, String) {
     let names = report.names();
-    let judged: usize = report.sets().map(|s| s.disagreements + s.sampled).sum();
+    let judged: usize = report.sets().map(|s| s.disputed + s.sampled).sum();
     let wrong: Vec<String> = (0..names.len())
         .filter_map(|m| {
             let of_set = |s: &SetReport| s.methods[m].mistakes.faults.total();
@@ -126,6 +144,9 @@ fn verdict(report: &CompareReport) -> (Tone, String) {
         let (first, all) = (names[0], sets.len());
         words += &match (faster, slower) {
             (f, 0) if f == all => format!(" {first} is the fastest for all {all} kinds of rays."),
+            (0, s) if s == all => {
+                format!(" Another is faster than {first} for all {all} kinds of rays.")
+            }
             (f, s) => format!(
                 " {first} is the fastest for {f} of {all} kinds of rays, slower than another for {s}, and not to be told from the fastest other for {}.",
                 all - f - s
@@ -170,6 +191,10 @@ fn summary(report: &CompareReport) -> Vec<String> {
         crate::cli::render::describe(report.scene),
         report.left_out.join(". ")
     )];
+    let is_embree = |c: &&Contestant| matches!(c.source, Source::Embree(..));
+    if report.options.contestants.iter().any(|c| is_embree(&c)) {
+        words.push(EMBREE.to_owned());
+    }
     let speeds: Vec<String> = report
         .sets()
         .filter_map(|set| {
@@ -212,19 +237,20 @@ fn summary(report: &CompareReport) -> Vec<String> {
 /// In words, whether all answers are the same.
 fn agreement(report: &CompareReport) -> String {
     let all: usize = report.sets().map(|s| s.rays).sum();
-    let differing: usize = report.sets().map(|s| s.disagreements).sum();
-    if differing == 0 {
+    let disputed: usize = report.sets().map(|s| s.disputed).sum();
+    if report.alike().len() == 1 {
         return format!(
             "Every structure gives the same answer, bit for bit, to each of {all} rays."
         );
     }
     format!(
-        "{differing} of {all} rays are not answered the same by all. A tie is another triangle at the same depth, bit for bit."
+        "{disputed} of {all} rays are disputed: their answers cannot all be right. A tie is another triangle at the same depth, bit for bit. Depths lie apart by so many ulps, \
+        steps from one number of single precision to the next, or by so much in the model's unit of length. Structures that agree about every ray are one row."
     )
 }
 
 /// Heat maps of the first method and of a BVH, or of the second where there is none; and where answers differ.
-fn pictures(costs: &CostPictures, page: &mut Report) {
+fn pictures(costs: &CostPictures, first: &str, page: &mut Report) {
     let names: Vec<&str> = costs.names().collect();
     let bvh = names
         .iter()
@@ -240,7 +266,7 @@ fn pictures(costs: &CostPictures, page: &mut Report) {
             left: (words(0), costs.heat_map(0)),
             right: (words(other), costs.heat_map(other)),
         }));
-    } else {
+    } else if names.len() == 1 {
         page.push(Section::Picture(ShownPicture {
             name: "costs".to_owned(),
             title: format!("{}; {legend}.", words(0)),
@@ -257,8 +283,8 @@ fn pictures(costs: &CostPictures, page: &mut Report) {
         page.push(Section::Picture(ShownPicture {
             name: "disagreement".to_owned(),
             title: format!(
-                "Where a structure answers otherwise than {}: {ties} ties (blue), {depths} other depths (orange), {misses} hits against misses (red).",
-                names[0]
+                "Where a structure answers otherwise than {first}: {ties} ties (blue), {depths} other depths (orange), {misses} hits against misses (red). A depth in single precision \
+                may be off by what its digits allow."
             ),
             raster: costs.agreement_map(),
         }));

@@ -1,7 +1,8 @@
 //! The tables and charts of a comparison's page.
 
+use bspray::analysis::accuracy::Trouble;
 use bspray::analysis::report::{Axis, Cell, Chart, DotChart, HeatChart, Plot, Scale, Table};
-use bspray::analysis::{Agreement, Estimate, Fault, NamedRays, SetReport};
+use bspray::analysis::{Agreement, Estimate, Fault, Mistakes, NamedRays, SetReport};
 
 use super::report::{CompareReport, per_ray};
 
@@ -36,19 +37,21 @@ pub(super) fn speeds(report: &CompareReport) -> Chart {
 
 /// Triangle tests a ray of each method, by kind of rays.
 pub(super) fn triangle_tests(report: &CompareReport) -> Chart {
-    let row = |m: usize| {
-        let tests = |set: &SetReport| Some(per_ray(set, &set.methods[m])[2]);
+    let row = |m: &usize| {
+        let tests = |set: &SetReport| per_ray(set, &set.methods[*m])[2];
         report.sets().map(tests).collect()
     };
-    let names = report.names();
+    let (names, methods) = (report.names(), &report.comparison.methods);
+    let counted = (0..names.len()).filter(|&m| methods[m].contestant.counts_steps());
+    let counted: Vec<usize> = counted.collect();
     Chart {
         name: "triangle-tests".to_owned(),
-        title: "Tests of triangles that a ray takes, on average".to_owned(),
+        title: "Triangles that a ray is tested against, on average".to_owned(),
         plot: Plot::Heat(HeatChart {
             label: "triangle tests a ray".to_owned(),
             columns: report.sets().map(|s| s.name.clone()).collect(),
-            values: (0..names.len()).map(row).collect(),
-            rows: names.into_iter().map(str::to_owned).collect(),
+            values: counted.iter().map(row).collect(),
+            rows: counted.iter().map(|&m| names[m].to_owned()).collect(),
         }),
     }
 }
@@ -61,9 +64,9 @@ pub(super) fn rays(report: &CompareReport) -> Table {
         &[
             "rays",
             "structure",
-            "rays/s, median",
-            "rays/s, low",
-            "rays/s, high",
+            "million rays/s, median",
+            "million rays/s, low",
+            "million rays/s, high",
             "ratio to the first, median",
             "ratio, low",
             "ratio, high",
@@ -87,7 +90,9 @@ pub(super) fn rays(report: &CompareReport) -> Table {
                 false => "not significant",
             });
             let mut row = vec![set.name.as_str().into(), name.into()];
-            row.extend(parts(method.speed.map(|s| s.rays_per_second)));
+            let speed = method.speed.map(|s| s.rays_per_second);
+            let parts_of_speed = speed.map(|e| [e.median, e.low, e.high].map(|v| v / MILLION));
+            row.extend([0, 1, 2].map(|k| Cell::from(parts_of_speed.map(|p| p[k]))));
             row.extend(parts(ratio));
             row.push(difference.into());
             row.extend(per_ray(set, method).map(Cell::from));
@@ -110,21 +115,21 @@ pub(super) fn builds(report: &CompareReport) -> Table {
     ];
     let mut table = Table::new("builds", "The structures as they were built", &columns);
     for method in &report.comparison.methods {
-        let size = method.size;
+        let (size, told) = (method.size, method.contestant.counts_steps());
         table.push(vec![
             method.contestant.name.as_str().into(),
             method.cost.seconds.into(),
             method.cost.peak_bytes.into(),
             size.bytes.into(),
             (size.bytes as f64 / size.triangles.max(1) as f64).into(),
-            size.nodes.into(),
-            (size.depth as u64).into(),
+            told.then_some(size.nodes).into(),
+            told.then_some(u64::from(size.depth)).into(),
         ]);
     }
     table
 }
 
-/// How each two methods agree on each kind of rays; those that agree about all rays of all kinds are one row for each kind in the file, and none here if all do.
+/// How each two methods agree on each kind of rays. Methods that agree about every ray are one row, and after it are what the first of them is.
 pub(super) fn pairs(report: &CompareReport) -> Table {
     let columns = [
         "rays",
@@ -138,20 +143,28 @@ pub(super) fn pairs(report: &CompareReport) -> Table {
         "largest (ulps)",
         "median (model units)",
         "largest (model units)",
+        "normals, median (degrees)",
+        "normals, largest (degrees)",
     ];
     let mut table = Table::new("pairs", "How each two structures agree", &columns);
     let names = report.names();
-    for set in report.sets() {
-        for pair in &set.pairs {
-            let [a, b] = pair.methods.map(|m| Cell::from(names[m]));
-            let mut row = vec![set.name.as_str().into(), a, b];
-            row.extend(Agreement::ALL.map(|agreement| pair.count(agreement).into()));
-            for distances in [pair.ulps, pair.lengths] {
-                row.push(distances.map(|d| d.median).into());
-                row.push(distances.map(|d| d.largest).into());
-            }
-            table.push(row);
+    let all: usize = report.sets().map(|set| set.rays).sum();
+    for group in report.alike().iter().filter(|group| group.len() > 1) {
+        let others = report.group_words(&group[1..]);
+        let mut row = vec!["all".into(), names[group[0]].into(), others.as_str().into()];
+        row.extend([all, 0, 0, 0].map(Cell::from));
+        row.extend([0; 6].map(|_| Cell::from(None::<f64>)));
+        table.push(row);
+    }
+    for (set, pair) in report.unlike_pairs() {
+        let [a, b] = pair.methods.map(|m| Cell::from(names[m]));
+        let mut row = vec![set.name.as_str().into(), a, b];
+        row.extend(Agreement::ALL.map(|agreement| pair.count(agreement).into()));
+        for distances in [pair.ulps, pair.lengths, pair.turns] {
+            row.push(distances.map(|d| d.median).into());
+            row.push(distances.map(|d| d.largest).into());
         }
+        table.push(row);
     }
     table
 }
@@ -163,7 +176,7 @@ pub(super) fn answers(report: &CompareReport) -> Table {
         "query",
         "number",
         "hits",
-        "answered differently",
+        "disputed",
         "others judged",
         "decided among named triangles",
     ];
@@ -174,7 +187,7 @@ pub(super) fn answers(report: &CompareReport) -> Table {
             set.purpose.query().name().into(),
             set.rays.into(),
             set.hits.into(),
-            set.disagreements.into(),
+            set.disputed.into(),
             set.sampled.into(),
             set.decided_among_named.into(),
         ]);
@@ -182,7 +195,7 @@ pub(super) fn answers(report: &CompareReport) -> Table {
     table
 }
 
-/// Who was wrong about what, and whose error it is.
+/// Who was wrong about what, and whose error it is: each method about all rays, and about those of each kind of which it got any wrong, or right but for the name.
 pub(super) fn faults(report: &CompareReport) -> Table {
     let columns = [
         "rays",
@@ -193,18 +206,31 @@ pub(super) fn faults(report: &CompareReport) -> Table {
         "wrong names",
         "by the triangle test",
         "by the traversal",
+        "mostly explained by",
         "unresolved (ties)",
     ];
     let mut table = Table::new("wrong-answers", "Wrong answers", &columns);
+    let mut add = |rays: &str, structure: &str, mistakes: &Mistakes| {
+        let mut row = vec![rays.into(), structure.into()];
+        row.extend(Fault::ALL.map(|f| Cell::from(mistakes.faults.count(f))));
+        row.extend([mistakes.by_test, mistakes.by_traversal].map(Cell::from));
+        let causes = Trouble::ALL.into_iter().zip(mistakes.troubles);
+        let most = causes
+            .filter(|(_, count)| *count > 0)
+            .max_by_key(|(_, n)| *n);
+        row.push(most.map_or("", |(trouble, _)| trouble.name()).into());
+        row.push(mistakes.unresolved.into());
+        table.push(row);
+    };
+    for (m, name) in report.names().into_iter().enumerate() {
+        let all = report.sets().map(|set| set.methods[m].mistakes);
+        add("all", name, &all.fold(Mistakes::default(), Mistakes::and));
+    }
     for set in report.sets() {
         for (method, name) in set.methods.iter().zip(report.names()) {
-            let mistakes = &method.mistakes;
-            let mut row = vec![set.name.as_str().into(), name.into()];
-            row.extend(Fault::ALL.map(|f| Cell::from(mistakes.faults.count(f))));
-            for count in [mistakes.by_test, mistakes.by_traversal, mistakes.unresolved] {
-                row.push(count.into());
+            if method.mistakes != Mistakes::default() {
+                add(&set.name, name, &method.mistakes);
             }
-            table.push(row);
         }
     }
     table

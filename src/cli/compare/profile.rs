@@ -53,6 +53,14 @@ const THOROUGH: Profile = Profile {
     repetitions: 25,
 };
 
+impl Profile {
+    /// Most rays that any kind can have: of a view, one a pixel.
+    pub(super) fn most_rays(&self) -> usize {
+        let pixels = u64::from(self.size.0) * u64::from(self.size.1);
+        pixels.min(u64::from(self.rays)) as usize
+    }
+}
+
 impl ProfileArgs {
     /// What is named by number wins.
     pub(super) fn profile(&self) -> Profile {
@@ -83,11 +91,17 @@ mod tests {
             repetitions: None,
         };
         assert_eq!(args.profile(), Profile { rays: 7, ..QUICK });
+        assert_eq!(args.profile().most_rays(), 7);
         let usual = ProfileArgs {
             quick: false,
             max_rays: None,
             ..args
         };
         assert_eq!(usual.profile(), USUAL);
+        let small = ProfileArgs {
+            resolution: Some((12, 8)),
+            ..usual
+        };
+        assert_eq!(small.profile().most_rays(), 96);
     }
 }

@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use anyhow::bail;
+use anyhow::{Context, bail};
 use bspray::accel::Domain;
 use bspray::analysis::{Comparison, NamedRays, RaySet, read_rays, write_rays};
 use bspray::scene::Scene;
@@ -44,7 +44,8 @@ pub(super) fn check(paths: &[PathBuf], rays: &[NamedRays], scene: &Scene) -> any
 
 /// Writes every set into the folder, which is made if need be, as `NAME.ray`.
 pub(super) fn write(folder: &Path, rays: &[NamedRays]) -> anyhow::Result<()> {
-    std::fs::create_dir_all(folder)?;
+    let made = std::fs::create_dir_all(folder);
+    made.with_context(|| folder.display().to_string())?;
     for named in rays {
         write_rays(&folder.join(format!("{}.ray", named.name)), &named.set)?;
     }

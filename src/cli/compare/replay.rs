@@ -3,8 +3,8 @@
 use std::fmt::Write;
 use std::path::Path;
 
-use bspray::accel::{Accelerator, BuildOptions, Hit};
-use bspray::analysis::{Contestant, Entrant, NamedRays, Replayed, Said, replay};
+use bspray::accel::{BuildOptions, Hit};
+use bspray::analysis::{Built, Contestant, Entrant, NamedRays, Replayed, Said, replay};
 use bspray::render::Answer;
 use bspray::scene::Scene;
 use serde_json::{Value, json};
@@ -20,14 +20,14 @@ pub(super) fn run(
     (path, rays): (&Path, &NamedRays),
     as_json: bool,
 ) -> anyhow::Result<Done> {
-    let built: Vec<Box<dyn Accelerator>> =
-        contestants.iter().map(|c| c.build(scene, build)).collect();
+    let built: Result<Vec<Built>, _> = contestants.iter().map(|c| c.build(scene, build)).collect();
+    let built = built?;
     let entrants: Vec<Entrant> = contestants
         .iter()
         .zip(&built)
-        .map(|(contestant, accelerator)| Entrant {
+        .map(|(contestant, built)| Entrant {
             contestant,
-            accelerator: &**accelerator,
+            accelerator: &*built.accelerator,
         })
         .collect();
     let replayed = replay(scene, &entrants, &rays.set);

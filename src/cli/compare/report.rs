@@ -2,9 +2,10 @@
 
 use std::path::PathBuf;
 
+use bspray::analysis::accuracy::Trouble;
 use bspray::analysis::{
-    Agreement, CompareOptions, Comparison, Distances, Fault, MethodOnSet, PairReport, SetReport,
-    WrongRay,
+    Agreement, CompareOptions, Comparison, Distances, Fault, MethodOnSet, Mistakes, PairReport,
+    SetReport, WrongRay,
 };
 use bspray::geometry::Ray;
 use bspray::render::Answer;
@@ -32,6 +33,40 @@ impl<'a> CompareReport<'a> {
         methods.map(|m| &*m.contestant.name).collect()
     }
 
+    /// The methods in groups, by their places: those of a group give the same answer, bit for bit, to every ray.
+    pub(super) fn alike(&self) -> Vec<Vec<usize>> {
+        let differ = |a: usize, b: usize| {
+            let mut pairs = self.sets().flat_map(|set| &set.pairs);
+            pairs.any(|pair| pair.methods == [a, b] && pair.different() > 0)
+        };
+        let mut groups: Vec<Vec<usize>> = Vec::new();
+        for method in 0..self.comparison.methods.len() {
+            match groups.iter_mut().find(|group| !differ(group[0], method)) {
+                Some(group) => group.push(method),
+                None => groups.push(vec![method]),
+            }
+        }
+        groups
+    }
+
+    /// Each two methods of different groups, the first of each, on each set that has rays.
+    pub(super) fn unlike_pairs(&self) -> Vec<(&'a SetReport, &'a PairReport)> {
+        let firsts: Vec<usize> = self.alike().iter().map(|group| group[0]).collect();
+        let is_shown = |pair: &&PairReport| pair.methods.iter().all(|m| firsts.contains(m));
+        let of_set = |set: &'a SetReport| {
+            let pairs = set.pairs.iter().filter(is_shown);
+            pairs.map(move |pair| (set, pair)).collect::<Vec<_>>()
+        };
+        self.sets().flat_map(of_set).collect()
+    }
+
+    /// What the methods of a group are called, with commas between.
+    pub(super) fn group_words(&self, group: &[usize]) -> String {
+        let names = self.names();
+        let of_group: Vec<_> = group.iter().map(|&m| names[m]).collect();
+        of_group.join(", ")
+    }
+
     /// Sets that have rays.
     pub(super) fn sets(&self) -> impl Iterator<Item = &'a SetReport> {
         self.comparison.sets.iter().filter(|set| set.rays > 0)
@@ -50,8 +85,8 @@ impl<'a> CompareReport<'a> {
                 "build_peak_bytes": method.cost.peak_bytes,
                 "triangles": size.triangles,
                 "placements": size.placements,
-                "nodes": size.nodes,
-                "depth_levels": size.depth,
+                "nodes": method.contestant.counts_steps().then_some(size.nodes),
+                "depth_levels": method.contestant.counts_steps().then_some(size.depth),
                 "bytes": size.bytes,
                 "bytes_per_triangle": size.bytes as f64 / size.triangles.max(1) as f64,
             })
@@ -64,8 +99,8 @@ impl<'a> CompareReport<'a> {
                 "query": set.purpose.query().name(),
                 "rays": set.rays,
                 "hits": set.hits,
-                "disagreements": set.disagreements,
-                "disagreements_decided_among_named": set.decided_among_named,
+                "disputed": set.disputed,
+                "disputed_decided_among_named": set.decided_among_named,
                 "others_checked_against_every_triangle": set.sampled,
                 "structures": methods.map(|(name, m)| on_set(name, set, m)).collect::<Vec<_>>(),
                 "pairs": set.pairs.iter().map(|p| pair(p, &names)).collect::<Vec<_>>(),
@@ -97,10 +132,10 @@ impl<'a> CompareReport<'a> {
     }
 }
 
-/// Mean nodes, leaves and triangle tests of a ray.
-pub(super) fn per_ray(set: &SetReport, method: &MethodOnSet) -> [f64; 3] {
-    let steps = method.steps;
-    [steps.nodes, steps.leaves, steps.primitives].map(|n| n as f64 / set.rays.max(1) as f64)
+/// Mean nodes, leaves and triangle tests of a ray, of a method that tells them.
+pub(super) fn per_ray(set: &SetReport, method: &MethodOnSet) -> [Option<f64>; 3] {
+    let steps = method.steps.map(|s| [s.nodes, s.leaves, s.primitives]);
+    [0, 1, 2].map(|kind| Some(steps?[kind] as f64 / set.rays.max(1) as f64))
 }
 
 fn on_set(name: &str, set: &SetReport, method: &MethodOnSet) -> Value {
@@ -122,9 +157,20 @@ fn on_set(name: &str, set: &SetReport, method: &MethodOnSet) -> Value {
             "wrong_names": faults.count(Fault::WrongName),
             "by_triangle_test": mistakes.by_test,
             "by_traversal": mistakes.by_traversal,
+            "explained_by": explained(&mistakes),
         },
         "unresolved": mistakes.unresolved,
     })
+}
+
+/// How many wrong answers each cause explains, of those that there are.
+fn explained(mistakes: &Mistakes) -> Value {
+    let counts = Trouble::ALL.into_iter().zip(mistakes.troubles);
+    let counts = counts.filter(|(_, count)| *count > 0);
+    counts
+        .map(|(trouble, count)| (trouble.name().to_owned(), json!(count)))
+        .collect::<serde_json::Map<_, _>>()
+        .into()
 }
 
 fn pair(pair: &PairReport, names: &[&str]) -> Value {
@@ -137,6 +183,7 @@ fn pair(pair: &PairReport, names: &[&str]) -> Value {
         "hits_against_misses": pair.count(Agreement::HitAgainstMiss),
         "ulps_median_and_largest": distances(pair.ulps),
         "model_units_median_and_largest": distances(pair.lengths),
+        "degrees_of_normals_median_and_largest": distances(pair.turns),
     })
 }
 

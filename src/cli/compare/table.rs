@@ -2,12 +2,16 @@
 
 use std::fmt::Write;
 
+use bspray::analysis::accuracy::Trouble;
 use bspray::analysis::{Agreement, Estimate, Fault, Mistakes, PairReport, SetReport, Speed};
 
 use super::report::{CompareReport, per_ray};
 
 /// Pairs of methods that are told one by one; JSON and reports have all.
 const TOLD_PAIRS: usize = 12;
+
+/// Degrees between normals from which they are told: less would be printed as none.
+const LEAST_TURN: f64 = 0.05;
 
 impl CompareReport<'_> {
     /// A table of the methods, one for each set of rays, the pairs that differ, and the oracle's verdict.
@@ -29,6 +33,10 @@ impl CompareReport<'_> {
         for method in &self.comparison.methods {
             let size = method.size;
             let peak = method.cost.peak_bytes;
+            let told = |n: u64| match method.contestant.counts_steps() {
+                true => n.to_string(),
+                false => "-".to_owned(),
+            };
             let _ = writeln!(
                 out,
                 "{:<14}{:>11.6}{:>14}{:>14}{:>12.1}{:>12}{:>8}",
@@ -37,8 +45,8 @@ impl CompareReport<'_> {
                 peak.map_or("not known".to_owned(), |b| b.to_string()),
                 size.bytes,
                 size.bytes as f64 / size.triangles.max(1) as f64,
-                size.nodes,
-                size.depth,
+                told(size.nodes),
+                told(u64::from(size.depth)),
             );
         }
         for set in &self.comparison.sets {
@@ -82,10 +90,11 @@ impl CompareReport<'_> {
                     format!("{median} [{low}, {high}]")
                 })
             };
-            let [nodes, leaves, triangles] = per_ray(set, method);
+            let [nodes, leaves, triangles] =
+                per_ray(set, method).map(|mean| mean.map_or("-".to_owned(), |n| format!("{n:.2}")));
             let _ = writeln!(
                 out,
-                "{name:<14}{:>22}{:>25}{nodes:>10.2}{leaves:>11.2}{triangles:>9.2}{:>7}",
+                "{name:<14}{:>22}{:>25}{nodes:>10}{leaves:>11}{triangles:>9}{:>7}",
                 speed(|s| s.rays_per_second, 1e6),
                 speed(|s| s.ratio_to_first, 1.0),
                 method.mistakes.faults.total()
@@ -95,7 +104,7 @@ impl CompareReport<'_> {
         if !alike.is_empty() {
             let _ = writeln!(
                 out,
-                "not significant: the difference between the speeds of {} and {}",
+                "no significant difference from {}: {}",
                 names[0],
                 alike.join(", ")
             );
@@ -104,20 +113,22 @@ impl CompareReport<'_> {
 
     /// How the answers of each two methods lie to one another, where they are not all the same.
     fn pairs(&self, out: &mut String) {
-        let names = self.names();
-        let different = self.sets().flat_map(|set| {
-            let different = set.pairs.iter().filter(|p| p.different() > 0);
-            different.map(move |pair| (set, pair))
-        });
-        let different: Vec<_> = different.collect();
-        if different.is_empty() && names.len() > 1 {
-            let _ = writeln!(out, "\nevery structure gives the same answer to every ray");
+        let (names, groups) = (self.names(), self.alike());
+        out.push('\n');
+        if groups.len() == 1 && names.len() > 1 {
+            let _ = writeln!(out, "every structure gives the same answer to every ray");
             return;
         }
-        out.push('\n');
+        for group in groups.iter().filter(|group| group.len() > 1) {
+            let words = self.group_words(group);
+            let _ = writeln!(out, "the same answer to every ray: {words}");
+        }
+        let pairs = self.unlike_pairs().into_iter();
+        let different: Vec<_> = pairs.filter(|(_, pair)| pair.different() > 0).collect();
         for (set, pair) in different.iter().take(TOLD_PAIRS) {
             let [a, b] = pair.methods.map(|m| names[m]);
-            let _ = writeln!(out, "{} rays, {a} and {b}: {}", set.name, pair_words(pair));
+            let words = pair_words(pair);
+            let _ = writeln!(out, "{} rays, {a} and {b}:\n  {words}", set.name);
         }
         if different.len() > TOLD_PAIRS {
             let more = different.len() - TOLD_PAIRS;
@@ -131,8 +142,8 @@ impl CompareReport<'_> {
         let sum = |count: fn(&SetReport) -> usize| sets.iter().map(count).sum::<usize>();
         let _ = writeln!(
             out,
-            "{} of {} rays have answers that differ; {} others were checked against every triangle",
-            sum(|s| s.disagreements),
+            "disputed: {} of {} rays; of the others {} were checked against every triangle",
+            sum(|s| s.disputed),
             sum(|s| s.rays),
             sum(|s| s.sampled)
         );
@@ -140,7 +151,7 @@ impl CompareReport<'_> {
         if among_named > 0 {
             let _ = writeln!(
                 out,
-                "{among_named} of the differing were decided among the triangles that a structure named"
+                "{among_named} of the disputed were decided among the triangles that a structure named"
             );
         }
         for (m, name) in self.names().iter().enumerate() {
@@ -194,10 +205,14 @@ fn pair_words(pair: &PairReport) -> String {
             ulps.median, ulps.largest, lengths.largest
         );
     }
+    if let Some(turns) = pair.turns.filter(|t| t.largest >= LEAST_TURN) {
+        let degrees = turns.largest;
+        words += &format!("\n  normals of other triangles up to {degrees:.1} degrees apart");
+    }
     words
 }
 
-/// Such as "2 holes, 1 ghost (2 by the triangle test, 1 by the traversal)"; `None` without mistakes.
+/// Such as "2 holes, 1 ghost (2 by the triangle test, 1 by the traversal; edge 2, cull 1)"; `None` without mistakes.
 fn in_words(mistakes: &Mistakes) -> Option<String> {
     let faults = mistakes.faults;
     let words: Vec<_> = Fault::ALL
@@ -207,7 +222,15 @@ fn in_words(mistakes: &Mistakes) -> Option<String> {
         .collect();
     let (test, traversal) = (mistakes.by_test, mistakes.by_traversal);
     let blamed = format!("{test} by the triangle test, {traversal} by the traversal");
-    (!words.is_empty()).then(|| format!("{} ({blamed})", words.join(", ")))
+    let troubles = Trouble::ALL.into_iter().zip(mistakes.troubles);
+    let troubles = troubles.filter(|(_, count)| *count > 0);
+    let causes: Vec<_> = troubles.map(|(t, n)| format!("{} {n}", t.name())).collect();
+    let causes = if causes.is_empty() {
+        String::new()
+    } else {
+        format!("; {}", causes.join(", "))
+    };
+    (!words.is_empty()).then(|| format!("{} ({blamed}{causes})", words.join(", ")))
 }
 
 /// Four significant digits, but at most four behind the point.
@@ -243,7 +266,8 @@ mod tests {
         mistakes.faults.add(Fault::Hole);
         mistakes.faults.add(Fault::Ghost);
         (mistakes.by_test, mistakes.by_traversal) = (1, 2);
-        let words = "2 holes, 1 ghost (1 by the triangle test, 2 by the traversal)";
+        mistakes.troubles[Trouble::Vertex as usize] = 3;
+        let words = "2 holes, 1 ghost (1 by the triangle test, 2 by the traversal; vertex 3)";
         assert_eq!(in_words(&mistakes).as_deref(), Some(words));
     }
 }

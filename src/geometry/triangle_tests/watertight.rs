@@ -25,6 +25,15 @@ fn ordered(v: Vec3, largest: u8) -> Vec3 {
     }
 }
 
+impl Watertight {
+    /// The direction's largest component, and `d.x / d.z`, `d.y / d.z` and `1 / d.z` in the frame's order.
+    #[inline(always)]
+    pub(crate) fn frame(ray: &Ray) -> (usize, Vec3) {
+        let tested = Self::new(ray);
+        (usize::from(tested.largest), tested.shear)
+    }
+}
+
 impl TestedRay for Watertight {
     #[inline]
     fn new(ray: &Ray) -> Self {

@@ -1,17 +1,18 @@
 //! Many rays at once: groups that go about the same way walk together, the others alone.
 //!
-//! The answers are those of each ray alone. In a tree with axes of its own every ray goes alone.
+//! The answers are those of each ray alone. In a tree with axes of its own, and by tests that are not exact, every ray goes alone.
 
-use super::WideSet;
 use super::simd::{self, Found, GROUP};
+use super::{WideSet, WideTest};
 use crate::accel::TraceSet;
 use crate::accel::counters::Uncounted;
 use crate::accel::hit::Hit;
 use crate::geometry::Ray;
 
-impl WideSet {
-    fn is_turned(&self) -> bool {
-        self.reach.axes.is_some()
+impl<T: WideTest> WideSet<T> {
+    /// Every ray walks alone.
+    fn goes_alone(&self) -> bool {
+        !T::WALKS_TOGETHER || self.reach.axes.is_some()
     }
 
     /// The nearest hits, as many as rays.
@@ -19,7 +20,7 @@ impl WideSet {
         let mut found = [Found::NOTHING; GROUP];
         for (rays, hits) in rays.chunks(GROUP).zip(hits.chunks_mut(GROUP)) {
             let found = &mut found[..rays.len()];
-            let alone = if self.is_turned() {
+            let alone = if self.goes_alone() {
                 u64::MAX
             } else {
                 simd::closest_together(self.instructions, self.tree(), rays, found)
@@ -37,7 +38,7 @@ impl WideSet {
     /// Whether anything is hit, as many answers as rays.
     pub(super) fn any_batch(&self, rays: &[Ray], hits: &mut [bool]) {
         for (rays, hits) in rays.chunks(GROUP).zip(hits.chunks_mut(GROUP)) {
-            let alone = if self.is_turned() {
+            let alone = if self.goes_alone() {
                 u64::MAX
             } else {
                 simd::any_together(self.instructions, self.tree(), rays, hits)

@@ -3,7 +3,7 @@
 //! The lecture's two halves in one structure. Planes divide the polygons into cells ([`plane`], [`build`]); the fragments in a cell are a point
 //! cluster, and its extent is what a ray is tested against, eight cells at a time ([`node`], [`simd`]). Leaves hold blocks of up to eight
 //! original triangles, tested at once: fragments steer, originals are hit, by the crate's one test ([`RayFrame`]), so that answers are
-//! exact and the same for every set of instructions.
+//! exact and the same for every set of instructions. The same tree can be walked with tests that are not exact ([`WideTest`]).
 //!
 //! Kin: the BVH with spatial splits of Stich, Friedrich, Dietrich 2009; the general BSP of Ize, Wald, Parker 2008; early split clipping of Ernst and
 //! Greiner 2007.
@@ -22,7 +22,10 @@ mod top;
 mod walk;
 
 pub(super) use simd::Instructions;
+pub(in crate::accel) use simd::WideTest;
 pub(in crate::accel) use top::WideTop;
+
+use std::marker::PhantomData;
 
 use glam::{Vec3, Vec4};
 
@@ -41,14 +44,15 @@ use simd::{Found, MOST_DEPTH, Occluded, Tree};
 use store::{Draft, Store};
 use walk::Reach;
 
-/// A set of triangles under a wide BSP.
-pub(in crate::accel) struct WideSet {
+/// A set of triangles under a wide BSP, tested by `T`.
+pub(in crate::accel) struct WideSet<T = RayFrame> {
     store: Store,
     root: Word,
     reach: Reach,
     depth: u32,
     instructions: Instructions,
     names: Names,
+    test: PhantomData<T>,
 }
 
 /// Costs in the unit of a node's test, found by trial on the scenes of `benches/record`. A division into two costs little, so that the collapse to
@@ -78,7 +82,7 @@ fn plan(quality: BspQuality) -> Plan {
     }
 }
 
-impl WideSet {
+impl<T: WideTest> WideSet<T> {
     fn tree(&self) -> Tree<'_> {
         Tree::new(&self.store, self.root, &self.reach)
     }
@@ -108,16 +112,35 @@ impl WideSet {
         nearest: &mut Nearest,
         counter: &mut C,
     ) {
-        let frame = RayFrame::new(ray);
+        let tested = T::new(ray);
         for (number, triangle) in self.store.all_triangles() {
             counter.primitives(1);
-            if let Some(t) = frame.intersect(&triangle) {
+            if let Some(t) = tested.intersect(&triangle) {
                 self.names.offer(t, number, instance, nearest);
             }
         }
     }
 
     pub(in crate::accel) fn build(triangles: TriangleSet, options: &BuildOptions) -> Self {
+        WideSet::build_exact(&triangles, options).tested_by()
+    }
+}
+
+impl WideSet {
+    /// The same tree, tested otherwise: what builds it is compiled once.
+    fn tested_by<T>(self) -> WideSet<T> {
+        WideSet {
+            store: self.store,
+            root: self.root,
+            reach: self.reach,
+            depth: self.depth,
+            instructions: self.instructions,
+            names: self.names,
+            test: PhantomData,
+        }
+    }
+
+    fn build_exact(triangles: &TriangleSet, options: &BuildOptions) -> Self {
         let axes = match options.axes {
             BspAxes::Auto => Axes::of_dominant_normals(triangles.iter().map(|t| &t.triangle)),
             BspAxes::Space => None,
@@ -125,7 +148,7 @@ impl WideSet {
         let instructions = Instructions::chosen(options.instructions);
         Self {
             instructions: instructions.unwrap_or_else(Instructions::best),
-            ..Self::build_along(axes, &triangles, options.quality)
+            ..Self::build_along(axes, triangles, options.quality)
         }
     }
 
@@ -155,11 +178,12 @@ impl WideSet {
             depth,
             instructions: Instructions::best(),
             names: Names::of(triangles),
+            test: PhantomData,
         }
     }
 }
 
-impl TraceSet for WideSet {
+impl<T: WideTest> TraceSet for WideSet<T> {
     fn closest<C: Counter>(
         &self,
         ray: &Ray,
@@ -167,7 +191,7 @@ impl TraceSet for WideSet {
         nearest: &mut Nearest,
         counter: &mut C,
     ) {
-        let found = simd::closest(
+        let found = T::closest(
             self.instructions,
             self.tree(),
             ray,
@@ -182,7 +206,7 @@ impl TraceSet for WideSet {
     }
 
     fn any<C: Counter>(&self, ray: &Ray, counter: &mut C) -> bool {
-        match simd::any(self.instructions, self.tree(), ray, counter) {
+        match T::any(self.instructions, self.tree(), ray, counter) {
             Occluded::Yes => true,
             Occluded::No => false,
             Occluded::Unusual => {
@@ -199,7 +223,7 @@ impl TraceSet for WideSet {
         } else {
             None
         };
-        let found = simd::closest(self.instructions, self.tree(), ray, passed, counter);
+        let found = T::closest(self.instructions, self.tree(), ray, passed, counter);
         let hit = self.hit(&found);
         if hit.is_some() {
             return hit;
@@ -213,7 +237,7 @@ impl TraceSet for WideSet {
     }
 
     fn any_alone<C: Counter>(&self, ray: &Ray, counter: &mut C) -> bool {
-        match simd::any(self.instructions, self.tree(), ray, counter) {
+        match T::any(self.instructions, self.tree(), ray, counter) {
             Occluded::Yes => true,
             Occluded::No => false,
             Occluded::Unusual => ray.is_traceable() && self.any(ray, counter),
@@ -244,7 +268,7 @@ mod tests {
     use super::*;
     use crate::accel::bake;
     use crate::accel::counters::Uncounted;
-    use crate::geometry::Interval;
+    use crate::geometry::{Double, Fast, Interval, Watertight};
     use crate::scene::{Instance, Part, Scene, TriangleMesh};
     use glam::{DAffine3, Mat3};
 
@@ -364,6 +388,56 @@ mod tests {
                 }
             }
             assert!(hits > rays.len() / 3, "{hits} hits");
+        }
+    }
+
+    /// The tree and its triangles one by one, by the same test: where their answers are not the same bits, and of how many hits.
+    fn compare_with_every_triangle<T: WideTest>() -> (usize, usize) {
+        let baked = bake::bake(&scene()).sets.swap_remove(0);
+        let tree = WideSet::build_along(Some(turned()), &baked, BspQuality::Default);
+        let mut tree = tree.tested_by::<T>();
+        let (mut hits, mut others) = (0, 0);
+        for ray in rays() {
+            let mut nearest = Nearest::of(&ray);
+            if ray.is_traceable() {
+                tree.test_everything(&ray, None, &mut nearest, &mut Uncounted);
+            }
+            let every = nearest.hit();
+            hits += usize::from(every.is_some());
+            let mut of_portable = None;
+            for instructions in Instructions::available().into_iter().rev() {
+                tree.instructions = instructions;
+                let found = tree.closest_alone(&ray, &mut Uncounted);
+                assert_eq!(
+                    *of_portable.get_or_insert(found),
+                    found,
+                    "{instructions:?} {ray:?}"
+                );
+                let is_hit = tree.any_alone(&ray, &mut Uncounted);
+                assert_eq!(is_hit, found.is_some(), "{instructions:?} {ray:?}");
+                let (mut batch, mut flags) = ([None], [!is_hit]);
+                tree.closest_alone_batch(&[ray], &mut batch);
+                tree.any_alone_batch(&[ray], &mut flags);
+                assert_eq!((batch, flags), ([found], [is_hit]));
+            }
+            others += usize::from(of_portable.flatten() != every);
+        }
+        (others, hits)
+    }
+
+    #[test]
+    fn other_tests_are_walked_alike_by_all_instructions_and_hit_what_they_hit_without_a_tree() {
+        let all = [
+            compare_with_every_triangle::<Double>(),
+            compare_with_every_triangle::<Watertight>(),
+            compare_with_every_triangle::<Fast>(),
+        ];
+        for (others, hits) in all {
+            // What they hit beside a triangle, a tree need not find.
+            assert!(
+                hits > 2000 && others * 500 < hits,
+                "{others} of {hits}: {all:?}"
+            );
         }
     }
 

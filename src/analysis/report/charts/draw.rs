@@ -6,7 +6,8 @@ use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 
 use super::axis::Ruler;
-use super::{Chart, DotChart, HeatChart, LineChart, Plot, Scale};
+use super::labels::{Labels, Place};
+use super::{Chart, DotChart, HeatChart, LineChart, Plot, Point, Scale};
 use crate::picture::{palette, srgb};
 
 /// Text and axes. A page's style sheet knows this colour and the next, and has others for dark pages.
@@ -27,7 +28,7 @@ const COLORS: [RGBColor; 7] = [
 ];
 
 /// Height of a line of text, in units.
-const LINE: i32 = 16;
+pub(super) const LINE: i32 = 16;
 
 /// Width that a character of text is taken to have, in units.
 pub(super) const CHARACTER: i32 = 8;
@@ -35,23 +36,6 @@ pub(super) const CHARACTER: i32 = 8;
 type Area<DB> = DrawingArea<DB, Shift>;
 type Drawn<DB> = Result<(), DrawingAreaErrorKind<<DB as DrawingBackend>::ErrorType>>;
 type Axes<'a, DB> = ChartContext<'a, DB, Cartesian2d<Ruler, Ruler>>;
-
-/// Places that are tried for a label above and below its point, each half a line from the last.
-const LABEL_TRIES: i32 = 24;
-
-/// Where a label stands, in units.
-struct Label {
-    left: i32,
-    right: i32,
-    bottom: i32,
-}
-
-impl Label {
-    /// Whether a line of text between these ends, with this bottom, leaves it free.
-    fn is_beside(&self, left: i32, right: i32, bottom: i32) -> bool {
-        right < self.left || self.right < left || (bottom - self.bottom).abs() >= LINE
-    }
-}
 
 /// A surface and the pixels of a unit.
 struct Sheet<'a, DB: DrawingBackend> {
@@ -105,10 +89,17 @@ fn lines<DB: DrawingBackend>(sheet: &Sheet<DB>, plot: &LineChart) -> Drawn<DB> {
         let path: Vec<_> = corners.map(|(px, py)| at(px, py)).collect();
         sheet.path(path, INK, 1)?;
     }
-    let mut labels = Vec::new();
+    let is_shown = |p: &&Point| x.has(p.x) && y.has(p.y);
+    let in_units = |(x, y): (i32, i32)| (x / sheet.scale, y / sheet.scale);
+    let marks = points().filter(is_shown).map(|p| {
+        let ends = p.across.unwrap_or([p.x; 2]).map(|end| x.clamped(end));
+        let [(left, y), (right, _)] = ends.map(|end| in_units(at(end, p.y)));
+        ([left, right], y)
+    });
+    let mut labels = Labels::new(sheet.room(top, &axes), marks);
     for (number, series) in plot.series.iter().enumerate() {
         let color = COLORS[number % COLORS.len()];
-        let shown = || series.points.iter().filter(|p| x.has(p.x) && y.has(p.y));
+        let shown = || series.points.iter().filter(is_shown);
         if series.is_line {
             sheet.path(shown().map(|p| at(p.x, p.y)).collect(), color, 2)?;
         }
@@ -123,7 +114,10 @@ fn lines<DB: DrawingBackend>(sheet: &Sheet<DB>, plot: &LineChart) -> Drawn<DB> {
                 sheet.bar(left, right, color)?;
             }
             sheet.mark(place, number)?;
-            sheet.label(place, &point.label, top, &mut labels)?;
+            if !point.label.is_empty() {
+                let words = labels.place(in_units(place), &point.label);
+                sheet.label(place, &point.label, words, color)?;
+            }
         }
     }
     Ok(())
@@ -221,41 +215,26 @@ impl<'a, DB: DrawingBackend> Sheet<'a, DB> {
             .draw_text(text, &style, (x * self.scale, y * self.scale))
     }
 
-    /// Words beside a point in pixels: at its right, or at its left where there is no room.
-    fn label(
-        &self,
-        (x, y): (i32, i32),
-        text: &str,
-        top: i32,
-        others: &mut Vec<Label>,
-    ) -> Drawn<DB> {
-        let (x, y) = (x / self.scale, y / self.scale - 7);
-        let right = self.area.dim_in_pixel().0 as i32 / self.scale;
-        let width = CHARACTER * text.chars().count() as i32;
-        let is_left = x + 8 + width > right;
-        let left = if is_left { x - 8 - width } else { x + 8 };
-        // Further and further above and below, until no other label is in the way.
-        let is_free = |y: &i32| {
-            *y >= top + LINE && others.iter().all(|o| o.is_beside(left, left + width, *y))
-        };
-        let mut places = (0..LABEL_TRIES)
-            .flat_map(|i| [-i, i])
-            .map(|i| y + i * LINE / 2);
-        let y = places.find(is_free).unwrap_or(y);
-        if text.is_empty() {
-            return Ok(());
-        }
-        others.push(Label {
-            left,
-            right: left + width,
-            bottom: y,
-        });
-        let (x, side) = if is_left {
-            (x - 8, HPos::Right)
+    /// Words of a point in pixels, with a line to it where they are not just beside it.
+    fn label(&self, point: (i32, i32), text: &str, place: Place, color: RGBColor) -> Drawn<DB> {
+        let (side, toward) = if place.is_left {
+            (HPos::Right, 2)
         } else {
-            (x + 8, HPos::Left)
+            (HPos::Left, -2)
         };
-        self.text((x, y), text, INK, (side, VPos::Bottom))
+        if place.is_far {
+            let end = (place.x + toward, place.bottom - LINE / 2);
+            let end = (end.0 * self.scale, end.1 * self.scale);
+            self.path(vec![point, end], color, 1)?;
+        }
+        self.text((place.x, place.bottom), text, INK, (side, VPos::Bottom))
+    }
+
+    /// Where words may stand, in units: left, right, top and bottom.
+    fn room(&self, top: i32, axes: &Axes<DB>) -> [i32; 4] {
+        let (across, down) = axes.plotting_area().get_pixel_range();
+        let width = self.area.dim_in_pixel().0 as i32 / self.scale;
+        [across.start / self.scale, width, top, down.end / self.scale]
     }
 
     fn style(&self) -> TextStyle<'static> {

@@ -5,6 +5,7 @@
 mod axis;
 mod bitmap;
 mod draw;
+mod labels;
 
 use plotters::prelude::{IntoDrawingArea, SVGBackend};
 

@@ -3,8 +3,9 @@
 use glam::{DAffine3, DQuat, DVec3};
 
 use super::super::random::Random;
-use super::shapes::{Shape, ball, cuboid, from_inside, quad, scene_of, through, turn};
+use super::shapes::{Shape, ball, cuboid, from_inside, quad, through, turn};
 use super::{Case, PLAIN, Sweep, powers};
+use crate::analysis::plain_scene::scene_of;
 use crate::scene::{Instance, Scene};
 
 pub(super) const SWEEPS: &[Sweep] = &[

@@ -1,10 +1,11 @@
 //! Meshes that the sweeps are made of, in double precision, and rays at them.
 
-use glam::{DAffine3, DQuat, DVec3, Vec3};
+use glam::{DQuat, DVec3, Vec3};
 
 use super::super::random::Random;
+use crate::analysis::plain_scene::scene_of;
 use crate::geometry::Ray;
-use crate::scene::{Instance, Part, Scene, TriangleMesh};
+use crate::scene::Scene;
 
 /// Points and triangles, before they are placed and rounded.
 #[derive(Clone, Default)]
@@ -67,25 +68,6 @@ impl Shape {
             1 => self.edge_point(random),
             _ => self.inner_point(random).as_vec3(),
         }
-    }
-}
-
-/// A scene of one mesh, placed where it is.
-pub(in super::super) fn scene_of(positions: &[DVec3], triangles: &[[u32; 3]]) -> Scene {
-    let mesh = TriangleMesh {
-        positions: positions.iter().map(|p| p.as_vec3()).collect(),
-        triangles: triangles.to_vec(),
-        parts: vec![Part {
-            first_triangle: 0,
-            triangle_count: triangles.len() as u32,
-            material: 0,
-        }],
-        ..TriangleMesh::default()
-    };
-    Scene {
-        meshes: vec![mesh],
-        instances: vec![Instance::new("", 0, DAffine3::IDENTITY)],
-        ..Scene::default()
     }
 }
 

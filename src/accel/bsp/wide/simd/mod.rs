@@ -20,6 +20,8 @@ mod shaft;
 mod single;
 mod stack;
 mod table;
+mod test;
+mod tested;
 mod together;
 mod together_any;
 mod together_closest;
@@ -29,6 +31,8 @@ mod vectors;
 pub(super) use parts::parts;
 pub(super) use stack::MOST_DEPTH;
 pub(super) use table::GROUP;
+pub(in crate::accel) use test::WideTest;
+use tested::LaneTest;
 
 use crate::accel::counters::Counter;
 use crate::geometry::Ray;
@@ -40,7 +44,7 @@ use super::walk::Reach;
 
 /// Sets of instructions that the walk is compiled for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(in crate::accel::bsp) enum Instructions {
+pub(in crate::accel) enum Instructions {
     /// Plain Rust.
     Portable,
     /// AVX2 and FMA.
@@ -93,11 +97,11 @@ impl Instructions {
 }
 
 /// Hits up to this `t` count only from this number of a triangle on.
-pub(super) type Passed = Option<(f32, u32)>;
+pub(in crate::accel) type Passed = Option<(f32, u32)>;
 
 /// The nearest hit, by the triangle's number in the set; or why there is none. As small as an answer can be.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Found {
+pub(in crate::accel) struct Found {
     pub(super) t: f32,
     number: u32,
 }
@@ -118,6 +122,13 @@ impl Found {
         (self.number < Self::UNUSUAL.number).then_some(self.number)
     }
 
+    /// Whether a hit comes before this one, and is not passed over.
+    #[inline(always)]
+    fn is_behind(&self, t: f32, number: u32, passed: Passed) -> bool {
+        let wins = t < self.t || (t <= self.t && number < self.number);
+        wins && !passed.is_some_and(|(least, end)| t <= least && number < end)
+    }
+
     /// The ray was not for the walk: it is not traceable, or would leave the range of `f32`.
     #[inline(always)]
     pub(super) fn is_unusual(&self) -> bool {
@@ -127,7 +138,7 @@ impl Found {
 
 /// Whether anything is hit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Occluded {
+pub(in crate::accel) enum Occluded {
     Yes,
     No,
     /// As [`Found::is_unusual`].
@@ -136,7 +147,7 @@ pub(super) enum Occluded {
 
 /// What a search walks.
 #[derive(Clone, Copy)]
-pub(super) struct Tree<'a> {
+pub(in crate::accel) struct Tree<'a> {
     store: &'a Store,
     nodes: *const Node,
     words: *const u32,
@@ -205,18 +216,18 @@ impl Blocks {
 
 /// Calls a function compiled for the machine's instructions.
 macro_rules! dispatch {
-    ($instructions:expr, $module:ident::$function:ident $(<$counter:ty>)? ($($argument:expr),*)) => {
+    ($instructions:expr, $module:ident::$function:ident $(<$($generic:ty),*>)? ($($argument:expr),*)) => {
         match $instructions {
             // SAFETY: every machine has them.
             Instructions::Portable => unsafe {
-                $module::$function::<portable::Lanes $(, $counter)?>($($argument),*)
+                $module::$function::<portable::Lanes $(, $($generic),*)?>($($argument),*)
             },
             #[cfg(target_arch = "x86_64")]
             // SAFETY: `Instructions::available` found them on this machine.
-            Instructions::Avx2 => unsafe { avx2::$function($($argument),*) },
+            Instructions::Avx2 => unsafe { avx2::$function $(::<$($generic),*>)? ($($argument),*) },
             #[cfg(target_arch = "x86_64")]
             // SAFETY: `Instructions::available` found them on this machine.
-            Instructions::Avx512 => unsafe { avx512::$function($($argument),*) },
+            Instructions::Avx512 => unsafe { avx512::$function $(::<$($generic),*>)? ($($argument),*) },
         }
     };
 }
@@ -242,6 +253,35 @@ pub(super) fn any<C: Counter>(
     counter: &mut C,
 ) -> Occluded {
     dispatch!(instructions, single::any<C>(tree, ray, counter))
+}
+
+/// As [`closest`], by a test that is not exact.
+fn closest_tested<T: LaneTest, C: Counter>(
+    instructions: Instructions,
+    tree: Tree<'_>,
+    ray: &Ray,
+    passed: Passed,
+    counter: &mut C,
+) -> Found {
+    dispatch!(
+        instructions,
+        tested::closest_tested < T,
+        C > (tree, ray, passed, counter)
+    )
+}
+
+/// As [`any`], by a test that is not exact.
+fn any_tested<T: LaneTest, C: Counter>(
+    instructions: Instructions,
+    tree: Tree<'_>,
+    ray: &Ray,
+    counter: &mut C,
+) -> Occluded {
+    dispatch!(
+        instructions,
+        tested::any_tested < T,
+        C > (tree, ray, counter)
+    )
 }
 
 /// Calls `visit` with the numbers in the leaves that the ray meets, see [`Store::numbers`], within the limit of `t` that the last call
@@ -277,4 +317,71 @@ pub(super) fn any_together(
     hits: &mut [bool],
 ) -> u64 {
     dispatch!(instructions, together_any::any_together(tree, rays, hits))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::accel::BspQuality;
+    use crate::accel::bsp::wide::tests::{rays, set};
+    use crate::geometry::{Double, Fast, Triangle, Watertight};
+
+    /// Every block of the tree: its address, and its triangles.
+    fn blocks(store: &Store) -> Vec<(*const f32, Vec<Triangle>)> {
+        let reach = Reach {
+            largest: 1.0,
+            axes: None,
+        };
+        let tree = Tree::new(store, store.leaves[0], &reach);
+        let mut found = Vec::new();
+        for &leaf in &store.leaves {
+            let mut blocks = tree.blocks(leaf);
+            loop {
+                let (block, count) = blocks.current();
+                // SAFETY: the store's own blocks, and lanes of them.
+                let triangle = |lane| unsafe { search::triangle(block, count, lane).0 };
+                found.push((block, (0..count).map(triangle).collect()));
+                if !blocks.advance() {
+                    break;
+                }
+            }
+        }
+        found
+    }
+
+    /// Lanes and scalar twin, for every block and some rays: how many hits.
+    fn compare<T: LaneTest>() -> usize {
+        let tree = set(BspQuality::Default);
+        let blocks = blocks(&tree.store);
+        let mut hits = 0;
+        for instructions in Instructions::available() {
+            for (number, ray) in rays().iter().enumerate().filter(|(_, r)| r.is_traceable()) {
+                let scalar = T::new(ray);
+                // A tenth of the blocks, others for each ray.
+                for (block, triangles) in blocks.iter().skip(number % 10).step_by(10) {
+                    let lanes = dispatch!(
+                        instructions,
+                        tested::block_tested<T>(ray, *block, triangles.len())
+                    );
+                    for (lane, triangle) in triangles.iter().enumerate() {
+                        let want = scalar.intersect(triangle).map(f32::to_bits);
+                        assert_eq!(lanes[lane], want, "{instructions:?} {ray:?} {triangle:?}");
+                        hits += usize::from(want.is_some());
+                    }
+                    assert!(lanes[triangles.len()..].iter().all(Option::is_none));
+                }
+            }
+        }
+        hits
+    }
+
+    #[test]
+    fn tests_in_lanes_have_the_bits_of_their_scalar_twins() {
+        let hits = [
+            compare::<Fast>(),
+            compare::<Watertight>(),
+            compare::<Double>(),
+        ];
+        assert!(hits.iter().all(|&h| h > 1000), "{hits:?}");
+    }
 }

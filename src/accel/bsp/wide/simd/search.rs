@@ -212,11 +212,7 @@ impl<'a> Search<'a> {
     }
 
     fn offer(&mut self, t: f32, number: u32) {
-        let wins = t < self.found.t || (t <= self.found.t && number < self.found.number);
-        let is_passed = self
-            .passed
-            .is_some_and(|(least, end)| t <= least && number < end);
-        if wins && !is_passed {
+        if self.found.is_behind(t, number, self.passed) {
             self.found = Found { t, number };
             let length = (t * self.rate).next_up();
             self.ends[1] = self.ends[1].min(length);

@@ -1,12 +1,184 @@
 //! The walk of one ray: nearest child first, for the nearest hit; the most promising first, for any.
 
+use std::marker::PhantomData;
+
+use super::super::node::Word;
 use super::super::walk::{LaneRay, WalkRay};
 use super::kernel::{BlockRay, Lanes, NodeRay};
 use super::search::{Search, triangle};
 use super::stack::{Promising, Stack};
 use super::{Found, Occluded, Passed, Tree};
 use crate::accel::counters::Counter;
-use crate::geometry::{Ray, RayFrame};
+use crate::geometry::{Interval, Ray, RayFrame};
+
+/// What a walk to the nearest hit does in leaves.
+pub(super) trait NearestLeaf<C: Counter> {
+    /// Looks at a leaf: where the walk now ends, if that is nearer than before.
+    ///
+    /// # Safety
+    /// As for [`Lanes`]; the word names a leaf of the tree.
+    unsafe fn nearest(&mut self, tree: &Tree<'_>, leaf: Word, counter: &mut C) -> Option<f32>;
+}
+
+/// What a walk to any hit does in leaves.
+pub(super) trait AnyLeaf<C: Counter> {
+    /// Whether anything in a leaf is hit.
+    ///
+    /// # Safety
+    /// As for [`Lanes`]; the word names a leaf of the tree.
+    unsafe fn any(&self, tree: &Tree<'_>, leaf: Word, counter: &mut C) -> bool;
+}
+
+/// Walks to the nearest: the nearest child first, and none that begins behind the walk's end.
+///
+/// # Safety
+/// As for [`Lanes`].
+#[inline(always)]
+pub(super) unsafe fn nearest_first<L: Lanes, C: Counter>(
+    tree: Tree<'_>,
+    walk: &WalkRay,
+    interval: Interval,
+    counter: &mut C,
+    leaves: &mut impl NearestLeaf<C>,
+) {
+    let mut last = interval.max * walk.per_t;
+    let mut stack = Stack::new();
+    let mut current = tree.root;
+    // SAFETY: the caller's promise; words of the tree name its nodes
+    // and blocks; the stack is as high as the tree's depth allows, and read only where it was written.
+    unsafe {
+        let node_ray = NodeRay::<L>::new(walk, interval.min * walk.per_t);
+        let mut last_lanes = L::splat(last);
+        loop {
+            if current.is_leaf() {
+                counter.leaf();
+                if let Some(nearer) = leaves.nearest(&tree, current, counter) {
+                    last = nearer;
+                    last_lanes = L::splat(last);
+                }
+            } else {
+                counter.node();
+                let node = &*tree.node(current);
+                let (hit, from) = node_ray.test(node, last_lanes);
+                if hit != 0 {
+                    current = stack.descend(node, hit, from);
+                    continue;
+                }
+            }
+            match stack.pop(last) {
+                Some(next) => current = next,
+                None => return,
+            }
+        }
+    }
+}
+
+/// Walks until something is hit: the most promising child first.
+///
+/// # Safety
+/// As for [`Lanes`].
+#[inline(always)]
+pub(super) unsafe fn promising_first<L: Lanes, C: Counter>(
+    tree: Tree<'_>,
+    walk: &WalkRay,
+    interval: Interval,
+    counter: &mut C,
+    leaves: &impl AnyLeaf<C>,
+) -> Occluded {
+    let mut stack = Promising::new();
+    let mut current = tree.root;
+    // SAFETY: as in `nearest_first`.
+    unsafe {
+        let node_ray = NodeRay::<L>::new(walk, interval.min * walk.per_t);
+        let last = L::splat(interval.max * walk.per_t);
+        loop {
+            if current.is_leaf() {
+                counter.leaf();
+                if leaves.any(&tree, current, counter) {
+                    return Occluded::Yes;
+                }
+            } else {
+                counter.node();
+                let node = &*tree.node(current);
+                let (hit, _) = node_ray.test(node, last);
+                if hit != 0 {
+                    current = stack.descend(node, hit);
+                    continue;
+                }
+            }
+            match stack.pop() {
+                Some(next) => current = next,
+                None => return Occluded::No,
+            }
+        }
+    }
+}
+
+/// The exact test, for the nearest hit.
+struct Exact<'a, 'b, L> {
+    lane_ray: &'b LaneRay,
+    search: &'b mut Search<'a>,
+    lanes: PhantomData<L>,
+}
+
+impl<L: Lanes, C: Counter> NearestLeaf<C> for Exact<'_, '_, L> {
+    #[inline(always)]
+    unsafe fn nearest(&mut self, tree: &Tree<'_>, leaf: Word, counter: &mut C) -> Option<f32> {
+        // SAFETY: the caller's promise.
+        unsafe {
+            let block_ray = BlockRay::<L>::new(self.lane_ray);
+            let mut blocks = tree.blocks(leaf);
+            let before = self.search.ends[1];
+            loop {
+                let (block, count) = blocks.current();
+                counter.primitives(count);
+                let candidates = block_ray.test(block, count, self.search.ends);
+                if candidates.possible != 0 {
+                    self.search.take(block, count, candidates);
+                }
+                if !blocks.advance() {
+                    break;
+                }
+            }
+            let end = self.search.ends[1];
+            (end < before).then(|| self.lane_ray.walked(end))
+        }
+    }
+}
+
+/// The exact test, for any hit.
+struct ExactAny<'a, L> {
+    lane_ray: LaneRay,
+    ray: &'a Ray,
+    /// Lengths along the frame's z between which a hit matters.
+    ends: [f32; 2],
+    lanes: PhantomData<L>,
+}
+
+impl<L: Lanes, C: Counter> AnyLeaf<C> for ExactAny<'_, L> {
+    #[inline(always)]
+    unsafe fn any(&self, tree: &Tree<'_>, leaf: Word, counter: &mut C) -> bool {
+        // SAFETY: the caller's promise.
+        unsafe {
+            let block_ray = BlockRay::<L>::new(&self.lane_ray);
+            let mut blocks = tree.blocks(leaf);
+            loop {
+                let (block, count) = blocks.current();
+                counter.primitives(count);
+                let candidates = block_ray.test(block, count, self.ends);
+                let is_hit = candidates.hit != 0
+                    || (candidates.possible != 0
+                        && meets_any(self.ray, block, count, candidates.possible));
+                if is_hit {
+                    return true;
+                }
+                if !blocks.advance() {
+                    return false;
+                }
+            }
+        }
+    }
+}
 
 /// The nearest hit, the least number first among equals.
 ///
@@ -24,50 +196,40 @@ pub(super) unsafe fn closest<L: Lanes, C: Counter>(
     };
     let lane_ray = LaneRay::new(ray, &walk);
     let mut search = Search::new(ray, &lane_ray, passed);
-    let mut last = ray.interval.max * walk.per_t;
-    let mut stack = Stack::new();
-    let mut current = tree.root;
-    // SAFETY: the caller's promise; words of the tree name its nodes
-    // and blocks; the stack is as high as the tree's depth allows, and read only where it was written.
+    let mut leaves = Exact::<L> {
+        lane_ray: &lane_ray,
+        search: &mut search,
+        lanes: PhantomData,
+    };
+    // SAFETY: the caller's promise.
     unsafe {
-        let node_ray = NodeRay::<L>::new(&walk, ray.interval.min * walk.per_t);
-        let mut last_lanes = L::splat(last);
-        loop {
-            if current.is_leaf() {
-                counter.leaf();
-                let block_ray = BlockRay::<L>::new(&lane_ray);
-                let mut blocks = tree.blocks(current);
-                let before = search.ends[1];
-                loop {
-                    let (block, count) = blocks.current();
-                    counter.primitives(count);
-                    let candidates = block_ray.test(block, count, search.ends);
-                    if candidates.possible != 0 {
-                        search.take(block, count, candidates);
-                    }
-                    if !blocks.advance() {
-                        break;
-                    }
-                }
-                if search.ends[1] < before {
-                    last = lane_ray.walked(search.ends[1]);
-                    last_lanes = L::splat(last);
-                }
-            } else {
-                counter.node();
-                let node = &*tree.node(current);
-                let (hit, from) = node_ray.test(node, last_lanes);
-                if hit != 0 {
-                    current = stack.descend(node, hit, from);
-                    continue;
-                }
-            }
-            match stack.pop(last) {
-                Some(next) => current = next,
-                None => return search.finish::<L>(),
-            }
-        }
+        nearest_first::<L, C>(tree, &walk, ray.interval, counter, &mut leaves);
+        search.finish::<L>()
     }
+}
+
+/// Whether anything is hit.
+///
+/// # Safety
+/// As for [`Lanes`].
+#[inline(always)]
+pub(super) unsafe fn any<L: Lanes, C: Counter>(
+    tree: Tree<'_>,
+    ray: &Ray,
+    counter: &mut C,
+) -> Occluded {
+    let Some(walk) = WalkRay::new(ray, tree.reach) else {
+        return Occluded::Unusual;
+    };
+    let lane_ray = LaneRay::new(ray, &walk);
+    let leaves = ExactAny::<L> {
+        ends: lane_ray.ends(ray.interval.min, ray.interval.max),
+        lane_ray,
+        ray,
+        lanes: PhantomData,
+    };
+    // SAFETY: the caller's promise.
+    unsafe { promising_first::<L, C>(tree, &walk, ray.interval, counter, &leaves) }
 }
 
 /// Calls `visit` with the numbers in the leaves that the ray meets, within the limit of `t` that the last call returned. `false` if the ray is
@@ -88,7 +250,7 @@ pub(super) unsafe fn visit<L: Lanes, C: Counter>(
     let mut stack = Stack::new();
     let mut current = tree.root;
     let mut last = ray.interval.max * walk.per_t;
-    // SAFETY: as in `closest`.
+    // SAFETY: as in `nearest_first`, which does not end within a leaf.
     unsafe {
         let node_ray = NodeRay::<L>::new(&walk, ray.interval.min * walk.per_t);
         loop {
@@ -140,62 +302,4 @@ pub(super) unsafe fn meets_any(
         }
     }
     false
-}
-
-/// Whether anything is hit.
-///
-/// # Safety
-/// As for [`Lanes`].
-#[inline(always)]
-pub(super) unsafe fn any<L: Lanes, C: Counter>(
-    tree: Tree<'_>,
-    ray: &Ray,
-    counter: &mut C,
-) -> Occluded {
-    let Some(walk) = WalkRay::new(ray, tree.reach) else {
-        return Occluded::Unusual;
-    };
-    let lane_ray = LaneRay::new(ray, &walk);
-    let ends = lane_ray.ends(ray.interval.min, ray.interval.max);
-    let mut stack = Promising::new();
-    let mut current = tree.root;
-    let interval = ray.interval;
-    // SAFETY: as in `closest`.
-    unsafe {
-        let node_ray = NodeRay::<L>::new(&walk, interval.min * walk.per_t);
-        let last = L::splat(interval.max * walk.per_t);
-        loop {
-            if current.is_leaf() {
-                counter.leaf();
-                let block_ray = BlockRay::<L>::new(&lane_ray);
-                let mut blocks = tree.blocks(current);
-                loop {
-                    let (block, count) = blocks.current();
-                    counter.primitives(count);
-                    let candidates = block_ray.test(block, count, ends);
-                    let hits = candidates.hit != 0
-                        || (candidates.possible != 0
-                            && meets_any(ray, block, count, candidates.possible));
-                    if hits {
-                        return Occluded::Yes;
-                    }
-                    if !blocks.advance() {
-                        break;
-                    }
-                }
-            } else {
-                counter.node();
-                let node = &*tree.node(current);
-                let (hit, _) = node_ray.test(node, last);
-                if hit != 0 {
-                    current = stack.descend(node, hit);
-                    continue;
-                }
-            }
-            match stack.pop() {
-                Some(next) => current = next,
-                None => return Occluded::No,
-            }
-        }
-    }
 }

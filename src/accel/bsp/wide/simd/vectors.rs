@@ -5,7 +5,9 @@ macro_rules! walks_in_256_bits {
     ($features:literal, { $($comparisons:tt)* }) => {
         use std::arch::x86_64::{__m256, _mm256_add_ps, _mm256_and_ps, _mm256_andnot_ps, _mm256_castps256_ps128, _mm256_div_ps, _mm256_extractf128_ps, _mm256_fmadd_ps, _mm256_fmsub_ps, _mm256_fnmadd_ps, _mm256_loadu_ps, _mm256_max_ps, _mm256_min_ps, _mm256_movemask_ps, _mm256_mul_ps, _mm256_set1_ps, _mm256_storeu_ps, _mm256_sub_ps, _mm256_xor_ps, _mm_cvtss_f32, _mm_max_ps, _mm_max_ss, _mm_min_ps, _mm_min_ss, _mm_movehdup_ps, _mm_movehl_ps};
 
-        use super::{Found, Occluded, Passed, Tree, kernel, single, together_any, together_closest};
+        use super::{
+            Found, LaneTest, Occluded, Passed, Tree, kernel, single, tested, together_any, together_closest,
+        };
         use crate::accel::counters::Counter;
         use crate::geometry::Ray;
 
@@ -150,6 +152,50 @@ macro_rules! walks_in_256_bits {
         pub(super) unsafe fn any<C: Counter>(tree: Tree<'_>, ray: &Ray, counter: &mut C) -> Occluded {
             // SAFETY: the caller's promise.
             unsafe { single::any::<Lanes, C>(tree, ray, counter) }
+        }
+
+        /// [`tested::closest_tested`] with these instructions.
+        ///
+        /// # Safety
+        /// The machine must have them.
+        #[target_feature(enable = $features)]
+        pub(super) unsafe fn closest_tested<T: LaneTest, C: Counter>(
+            tree: Tree<'_>,
+            ray: &Ray,
+            passed: Passed,
+            counter: &mut C,
+        ) -> Found {
+            // SAFETY: the caller's promise.
+            unsafe { tested::closest_tested::<Lanes, T, C>(tree, ray, passed, counter) }
+        }
+
+        /// [`tested::any_tested`] with these instructions.
+        ///
+        /// # Safety
+        /// The machine must have them.
+        #[target_feature(enable = $features)]
+        pub(super) unsafe fn any_tested<T: LaneTest, C: Counter>(
+            tree: Tree<'_>,
+            ray: &Ray,
+            counter: &mut C,
+        ) -> Occluded {
+            // SAFETY: the caller's promise.
+            unsafe { tested::any_tested::<Lanes, T, C>(tree, ray, counter) }
+        }
+
+        /// [`tested::block_tested`] with these instructions.
+        ///
+        /// # Safety
+        /// The machine must have them.
+        #[cfg(test)]
+        #[target_feature(enable = $features)]
+        pub(super) unsafe fn block_tested<T: LaneTest>(
+            ray: &Ray,
+            block: *const f32,
+            count: usize,
+        ) -> [Option<u32>; 8] {
+            // SAFETY: the caller's promise.
+            unsafe { tested::block_tested::<Lanes, T>(ray, block, count) }
         }
 
         /// [`single::visit`] with these instructions.

@@ -1,8 +1,7 @@
 //! What is wrong with an answer, and whether that counts: exact methods owe bits, others a plausible depth of the nearest triangle.
 
-use super::kinds::Kind;
+use super::{Fault, Kind, Oracle, judge};
 use crate::accel::Hit;
-use crate::analysis::{Fault, Oracle, judge};
 use crate::geometry::Ray;
 use crate::geometry::tolerance::{PLAUSIBLE_DEPTH, SINGLE_DOUBT};
 use crate::render::Answer;
@@ -62,8 +61,8 @@ pub(in crate::analysis) fn of_plausible(
         (Some(truth), Some(answer)) => (truth, answer),
     };
     let is_same = (answer.instance, answer.triangle) == (truth.instance, truth.triangle);
-    let named = oracle.hit_of(ray, answer.instance, answer.triangle);
-    if named.is_some_and(|t| differs(t, Some(truth))) {
+    let named = || oracle.hit_of(ray, answer.instance, answer.triangle);
+    if !is_same && named().is_some_and(|t| differs(t, Some(truth))) {
         return Verdict::Wrong(Kind::WrongOrder);
     }
     if !is_plausible(oracle, ray, truth, answer) {
@@ -94,9 +93,9 @@ fn is_plausible(oracle: &Oracle, ray: &Ray, truth: Hit, answer: Hit) -> bool {
 
 #[cfg(test)]
 mod tests {
-    use super::super::sweeps::shapes::scene_of;
     use super::*;
     use crate::analysis::Query;
+    use crate::analysis::plain_scene::scene_of;
     use crate::scene::Scene;
     use glam::{DVec3, Vec3};
 

@@ -1,9 +1,10 @@
-//! Which methods are compared where none is named: all whose work ends soon, by counts and not by a clock.
+//! Which structures are measured where none is named: all whose work ends soon, by counts and not by a clock.
 
 use crate::accel::AcceleratorKind;
 use crate::scene::Scene;
 
-/// Most triangles for which the polygon BSP is built unasked. It took 6 s for 69,451 on a busy machine of two cores; its build has no limit, and grows faster than the model.
+/// Most triangles that the polygon BSP is built from unasked, in all builds together. It took 6 s for 69,451 on a busy machine of two cores; its build has no limit, and
+/// grows faster than the model.
 const MOST_POLYGON_TRIANGLES: u64 = 100_000;
 
 /// Most triangles, or objects, that a loop over all of them may test in one pass over the rays of a kind: most of a second.
@@ -20,30 +21,42 @@ pub struct Work {
     objects: u64,
     /// Most rays of a kind.
     rays: u64,
+    /// How often a structure is built.
+    builds: u64,
 }
 
 impl Work {
-    /// So many rays of each kind in the scene.
-    pub fn of(scene: &Scene, rays: usize) -> Self {
+    /// So many rays of each kind in the scene, and so many builds of each structure.
+    pub fn of(scene: &Scene, rays: usize, builds: usize) -> Self {
         Self {
             triangles: scene.meshes.iter().map(|m| m.triangles.len() as u64).sum(),
             placed_triangles: scene.placed_triangles(),
             objects: scene.instances.len() as u64,
             rays: rays as u64,
+            builds: builds as u64,
         }
     }
 
+    /// Instances of the scene.
+    pub(super) fn objects(&self) -> u64 {
+        self.objects
+    }
+
     /// Why a structure is not taken unasked; `None` if it is.
-    pub(super) fn too_much_for(&self, kind: AcceleratorKind) -> Option<String> {
+    pub fn too_much_for(&self, kind: AcceleratorKind) -> Option<String> {
         let (rays, most) = (self.rays, MOST_LOOP_TESTS / 1_000_000);
         let is_long = |count: u64| count.saturating_mul(rays) > MOST_LOOP_TESTS;
+        let built = self.triangles.saturating_mul(self.builds);
         match kind {
-            AcceleratorKind::BspPolygon if self.triangles > MOST_POLYGON_TRIANGLES => {
-                Some(format!(
-                    "its build may take very long for more than {MOST_POLYGON_TRIANGLES} triangles, and there are {}",
-                    self.triangles
-                ))
-            }
+            AcceleratorKind::BspPolygon if built > MOST_POLYGON_TRIANGLES => Some(format!(
+                "its build may take very long: {} triangles{} are more than {MOST_POLYGON_TRIANGLES}",
+                self.triangles,
+                if self.builds > 1 {
+                    format!(" for each of {} builds", self.builds)
+                } else {
+                    String::new()
+                }
+            )),
             AcceleratorKind::Linear if is_long(self.placed_triangles) => Some(format!(
                 "{} triangles for each of {rays} rays are more than {most} million tests",
                 self.placed_triangles
@@ -75,6 +88,7 @@ mod tests {
             placed_triangles: 36,
             objects: 1,
             rays: 200_000,
+            builds: 1,
         };
         let all = "bsp bsp-polygon bvh2 cwbvh extents linear";
         assert_eq!(names(small), (all.to_owned(), String::new()));
@@ -86,6 +100,10 @@ mod tests {
         let (taken, left_out) = names(scan);
         assert_eq!(taken, "bsp bsp-polygon bvh2 cwbvh extents");
         assert!(left_out.starts_with("linear is left out: 69451 triangles for each of 200000"));
+        let often = Work { builds: 4, ..scan };
+        let (taken, left_out) = names(often);
+        assert_eq!(taken, "bsp bvh2 cwbvh extents");
+        assert!(left_out.contains("69451 triangles for each of 4 builds are more than 100000"));
         let forest = Work {
             placed_triangles: u64::MAX,
             triangles: 100_001,

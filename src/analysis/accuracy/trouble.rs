@@ -2,25 +2,25 @@
 
 use glam::DVec3;
 
-use super::kinds::{Blame, Kind, Trouble};
+use super::{Blame, Kind, Trouble};
 use crate::geometry::exact::{self, filter};
 use crate::geometry::tolerance::SINGLE_DOUBT;
 use crate::geometry::{Ray, Triangle};
 
 /// A wrong answer, and what is known of it.
-pub(super) struct Wrong<'a> {
-    pub(super) kind: Kind,
-    pub(super) blame: Blame,
+pub(in crate::analysis) struct Wrong<'a> {
+    pub(in crate::analysis) kind: Kind,
+    pub(in crate::analysis) blame: Blame,
     /// The ray and the triangle that it truly hits, or that it was said to, in the space in which they are tested.
-    pub(super) ray: &'a Ray,
-    pub(super) triangle: &'a Triangle,
+    pub(in crate::analysis) ray: &'a Ray,
+    pub(in crate::analysis) triangle: &'a Triangle,
     /// The true depth, if there is one, and that of the answer.
-    pub(super) depths: (Option<f32>, Option<f32>),
+    pub(in crate::analysis) depths: (Option<f32>, Option<f32>),
 }
 
 impl Wrong<'_> {
     /// The likeliest cause, most special first.
-    pub(super) fn trouble(&self) -> Trouble {
+    pub(in crate::analysis) fn trouble(&self) -> Trouble {
         if self.blame == Blame::Traversal {
             return if self.grazes_box() {
                 Trouble::CellBoundary

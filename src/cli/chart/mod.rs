@@ -1,16 +1,27 @@
 //! `bspray chart`: speed against accuracy.
 
+mod commands;
+mod page;
+mod pictures;
+mod rays;
+mod text;
+
 use std::path::PathBuf;
 
 use anyhow::{Context, bail};
+use bspray::accel::Embree;
+use bspray::analysis::Work;
 use bspray::analysis::chart::{ChartMethod, ChartOptions, ChartPoints, Doing};
 use bspray::render::{Integrator, LightSearch};
+use bspray::scene::{CameraFrame, Scene};
 use clap::Args;
 
+use self::page::ChartPage;
 use super::bsp_args::BspArgs;
 use super::camera_args::{self, CameraArgs};
-use super::chart_page::ChartPage;
+use super::embree_args::EmbreeArgs;
 use super::model_args::ModelArgs;
+use super::work_bar::WorkBar;
 use super::{Done, UsageError, files, output, values};
 
 /// How much is done: width and height, rays of each kind, repetitions, samples a pixel of the pictures.
@@ -45,6 +56,8 @@ pub(super) struct ChartArgs {
     /// Only these methods, with commas between: KIND, or KIND:CHOICE [default: all that end soon for the model]
     #[arg(long, value_name = "METHOD,...", value_delimiter = ',', long_help = method_help())]
     method: Vec<ChartMethod>,
+    #[command(flatten)]
+    embree: EmbreeArgs,
     /// Samples a pixel of the pictures, with commas between; 0 for none
     #[arg(long, value_name = "N,...", value_delimiter = ',', value_parser = clap::value_parser!(u32).range(0..=4096))]
     samples: Vec<u32>,
@@ -82,19 +95,14 @@ pub(super) struct ChartArgs {
 fn method_help() -> String {
     let names: Vec<_> = ChartMethod::all().iter().map(ChartMethod::name).collect();
     format!(
-        "Only these methods, with commas between [default: all that end soon for the model]. After the colon stands, for `bsp`, the quality of its build, for \
-        `extents` the extents that are tested, and for all others the triangle test. There are {}",
+        "Only these methods, with commas between [default: all that end soon for the model]. After the colon stands the triangle test, \
+        for `bsp` also the quality of its build, and for `extents` the extents that are tested. There are {}",
         names.join(", ")
     )
 }
 
 /// Measures and writes the report.
 pub(super) fn run(args: &ChartArgs) -> anyhow::Result<Done> {
-    let profile = match (args.quick, args.thorough) {
-        (true, _) => QUICK,
-        (_, true) => THOROUGH,
-        _ => USUAL,
-    };
     for (index, method) in args.method.iter().enumerate() {
         if args.method[..index].contains(method) {
             bail!(UsageError(format!("--method names {method} twice")));
@@ -103,61 +111,39 @@ pub(super) fn run(args: &ChartArgs) -> anyhow::Result<Done> {
     let folder = args.report.clone();
     let folder = folder.unwrap_or_else(|| files::default_output(&args.input.models, "-chart"));
     files::check_folder(&folder)?;
+    let embree = embree(args)?;
     let scene = args.input.load()?;
     if !args.quiet {
         output::tell_of(&scene);
     }
-    let size = args.resolution.unwrap_or(profile.0);
+    let size = args.resolution.unwrap_or(args.profile().0);
     let camera = args.camera.choose(&scene, size)?;
     let view = camera_args::view(&camera, size, 0.0)?;
     let camera_flags = camera_args::as_flags(&camera, &scene, args.camera.up());
-    let methods = if args.method.is_empty() {
-        ChartMethod::suited(scene.placed_triangles(), scene.instances.len())
-    } else {
-        args.method.clone()
-    };
-    let mut samples = if args.samples.is_empty() {
-        profile.3.to_vec()
-    } else {
-        args.samples.clone()
-    };
-    samples.retain(|&n| n > 0);
-    samples.sort_unstable();
-    samples.dedup();
-    let options = ChartOptions {
-        picture_methods: ChartMethod::for_pictures(&methods),
-        methods,
-        samples,
-        build: args.bsp.options(args.seed),
-        camera: view.camera,
-        size,
-        integrator: Integrator::Path {
-            max_depth: args.max_depth,
-            search: LightSearch::Both,
-        },
-        most_rays: args.max_rays.unwrap_or(profile.1) as usize,
-        repetitions: args.repetitions.unwrap_or(profile.2) as usize,
-        seed: args.seed,
-        up: args.camera.up(),
-    };
+    let (options, left_out) = options(args, &scene, (view.camera, size), embree);
+    if !args.quiet {
+        let notes = left_out.iter().map(|words| format!("note: {words}"));
+        notes.for_each(|note| output::message(&note));
+    }
     let pool = rayon::ThreadPoolBuilder::new()
         .num_threads(args.threads)
         .build()
         .context("cannot start threads")?;
-    let watch = |doing: Doing| {
-        if !args.quiet {
-            output::message(&tell(doing));
-        }
-    };
+    let bar = WorkBar::begin("chart", args.quiet);
+    let watch = |doing: Doing, done: f64| bar.reach(done, doing.to_string());
     let points = pool.install(|| ChartPoints::of(&scene, &options, &watch));
+    bar.end();
+    let points = points?;
     let page = ChartPage {
         models: &args.input.models,
         scene: &scene,
         camera_flags: &camera_flags,
         max_depth: args.max_depth,
         options: &options,
+        embree: args.embree.embree.as_deref(),
         threads: pool.current_num_threads(),
         points: &points,
+        left_out: &left_out,
     };
     page.report().write(&folder)?;
     if !args.quiet {
@@ -175,15 +161,66 @@ pub(super) fn run(args: &ChartArgs) -> anyhow::Result<Done> {
     })
 }
 
-fn tell(doing: Doing) -> String {
-    match doing {
-        Doing::Reference => "asking the reference, and judging it".to_owned(),
-        Doing::Build(method) => format!("building {method}"),
-        Doing::Trace => "timing rays".to_owned(),
-        Doing::Judge => "judging answers".to_owned(),
-        Doing::Converge(samples) => format!("rendering the reference, {samples} samples a pixel"),
-        Doing::Picture(method, samples) => {
-            format!("rendering with {method}, {samples} samples a pixel")
+impl ChartArgs {
+    fn profile(&self) -> Profile {
+        match (self.quick, self.thorough) {
+            (true, _) => QUICK,
+            (_, true) => THOROUGH,
+            _ => USUAL,
         }
     }
+}
+
+/// Embree, if its library is named; all cores build.
+fn embree(args: &ChartArgs) -> anyhow::Result<Option<Embree>> {
+    let modes = args.method.iter().filter_map(ChartMethod::needs_embree);
+    let modes: Vec<_> = modes.collect();
+    let named = (!args.method.is_empty()).then_some(&*modes);
+    args.embree.load(args.threads, "--method", named)
+}
+
+/// What is measured, and notes about what is not.
+fn options(
+    args: &ChartArgs,
+    scene: &Scene,
+    (camera, size): (CameraFrame, (u32, u32)),
+    embree: Option<Embree>,
+) -> (ChartOptions, Vec<String>) {
+    let profile = args.profile();
+    let mut samples = if args.samples.is_empty() {
+        profile.3.to_vec()
+    } else {
+        args.samples.clone()
+    };
+    samples.retain(|&n| n > 0);
+    samples.sort_unstable();
+    samples.dedup();
+    let most_rays = args.max_rays.unwrap_or(profile.1) as usize;
+    let repetitions = args.repetitions.unwrap_or(profile.2) as usize;
+    let (methods, left_out) = if args.method.is_empty() {
+        let pixels = size.0 as usize * size.1 as usize;
+        let builds = ChartMethod::BUILDS + samples.len() * repetitions;
+        let work = Work::of(scene, most_rays.min(pixels), builds);
+        ChartMethod::suited(&work, embree.is_some())
+    } else {
+        (args.method.clone(), Vec::new())
+    };
+    let options = ChartOptions {
+        picture_methods: ChartMethod::for_pictures(&methods),
+        methods,
+        samples,
+        build: args.bsp.options(args.seed),
+        embree,
+        camera,
+        size,
+        integrator: Integrator::Path {
+            max_depth: args.max_depth,
+            search: LightSearch::Both,
+        },
+        most_rays,
+        repetitions,
+        seed: args.seed,
+        up: args.camera.up(),
+    };
+    (options, left_out)
 }

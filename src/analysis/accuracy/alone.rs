@@ -1,12 +1,11 @@
 //! Embree's triangle test without its tree: each triangle in a scene of its own. A tree of one triangle is a leaf, which has no box to miss.
 
-use std::collections::HashMap;
+use std::collections::HashSet;
 use std::sync::OnceLock;
 
-use super::sweeps::shapes::scene_of;
-use crate::accel::{Accelerator, Embree, EmbreeMode, EmbreeScene, Hit, world_triangles};
+use crate::accel::{Accelerator, Embree, EmbreeMode, EmbreeScene, Hit};
+use crate::analysis::plain_scene::scene_of;
 use crate::geometry::{Ray, Triangle};
-use crate::scene::Scene;
 
 /// A triangle that is like no other one, with the first of its names, in a scene that is built when it is first asked.
 struct Single {
@@ -15,35 +14,40 @@ struct Single {
     scene: OnceLock<EmbreeScene>,
 }
 
-/// All triangles, one after the other.
-pub(super) struct Alone {
+/// Some triangles, one after the other.
+pub(in crate::analysis) struct Alone {
     singles: Vec<Single>,
     embree: Embree,
     mode: EmbreeMode,
 }
 
 impl Alone {
-    pub(super) fn build(scene: &Scene, embree: &Embree, mode: EmbreeMode) -> Self {
-        let (mut singles, mut known) = (Vec::new(), HashMap::new());
-        for (name, triangle) in world_triangles(scene) {
-            let bits = triangle.corners().map(|p| p.to_array().map(f32::to_bits));
-            if known.insert(bits, ()).is_none() {
-                singles.push(Single {
-                    triangle,
-                    name,
-                    scene: OnceLock::new(),
-                });
-            }
-        }
+    /// Of these triangles in world space, by instance and triangle.
+    pub(in crate::analysis) fn of(
+        triangles: Vec<((u32, u32), Triangle)>,
+        embree: &Embree,
+        mode: EmbreeMode,
+    ) -> Self {
+        let mut known = HashSet::new();
+        let mut is_new = |triangle: &Triangle| {
+            let corners = triangle.corners();
+            known.insert(corners.map(|p| p.to_array().map(f32::to_bits)))
+        };
+        let singles = triangles.into_iter().filter(|(_, t)| is_new(t));
+        let single = |(name, triangle)| Single {
+            triangle,
+            name,
+            scene: OnceLock::new(),
+        };
         Self {
-            singles,
+            singles: singles.map(single).collect(),
             embree: embree.clone(),
             mode,
         }
     }
 
     /// The nearest hit; of equal ones the first.
-    pub(super) fn closest_hit(&self, ray: &Ray) -> Option<Hit> {
+    pub(in crate::analysis) fn closest_hit(&self, ray: &Ray) -> Option<Hit> {
         let mut nearest: Option<Hit> = None;
         for single in &self.singles {
             let scene = single.scene.get_or_init(|| self.scene_of(&single.triangle));

@@ -1,8 +1,8 @@
-//! The words for what is wrong: how an answer is wrong, whose error it is, what explains it, and how the work on it ended.
+//! The words for what is wrong: how an answer is wrong, whose error it is, and what explains it.
 
 use serde::{Deserialize, Serialize};
 
-use crate::analysis::Fault;
+use super::Fault;
 
 /// How an answer is wrong.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
@@ -23,7 +23,7 @@ pub enum Kind {
 }
 
 impl Kind {
-    /// All of them, in the order of [`Cell::faults`](super::Cell::faults).
+    /// All of them, in the order of [`Cell::faults`](crate::analysis::stability::Cell::faults).
     pub const ALL: [Self; 6] = [
         Self::Leak,
         Self::Hole,
@@ -87,7 +87,7 @@ pub enum Trouble {
 }
 
 impl Trouble {
-    /// All of them, in the order of [`Cell::troubles`](super::Cell::troubles).
+    /// All of them, in the order of [`Cell::troubles`](crate::analysis::stability::Cell::troubles).
     pub const ALL: [Self; 7] = [
         Self::Edge,
         Self::Vertex,
@@ -110,25 +110,4 @@ impl Trouble {
             Self::Cull => "cull",
         }
     }
-}
-
-/// How the work on a cell ended.
-#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Ending {
-    /// All rays were answered.
-    #[default]
-    Answered,
-    /// The child process was ended after so many seconds.
-    DidNotEnd {
-        /// The limit.
-        seconds: u32,
-    },
-    /// The child process ended itself, and this is how.
-    Died {
-        /// Such as "stack overflow".
-        how: String,
-    },
-    /// Its brute force needs more time than it is given at this size, or it failed to end at a smaller one.
-    NotTried,
 }
