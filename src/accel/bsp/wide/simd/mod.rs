@@ -169,6 +169,12 @@ impl<'a> Tree<'a> {
         }
     }
 
+    /// Whether words of it may lead elsewhere.
+    #[inline(always)]
+    fn has_treelets(&self) -> bool {
+        !self.store.treelets.is_empty()
+    }
+
     /// One of its treelets, as another tree.
     #[inline(never)]
     fn treelet(&self, word: Word) -> Self {
