@@ -17,6 +17,9 @@ const NORMAL_STEP: f32 = 0.25;
 /// Change of a linear colour that does so.
 const COLOR_STEP: f32 = 0.04;
 
+/// Steps beyond which values of attributes are not told apart.
+const MOST_STEPS: f32 = 1e9;
+
 /// Sets of texture coordinates that are looked at: `meshopt` takes 32 numbers a vertex.
 const MOST_SETS: usize = 8;
 
@@ -163,8 +166,9 @@ impl Local {
         let mut values = Vec::with_capacity(columns.len() * self.names.len());
         for vertex in 0..self.names.len() {
             for (step, column) in &columns {
-                let value = column[vertex] / step;
-                values.push(if value.is_finite() { value } else { 0.0 });
+                // Squares of it must stay numbers.
+                let value = (column[vertex] / step).clamp(-MOST_STEPS, MOST_STEPS);
+                values.push(if value.is_nan() { 0.0 } else { value });
             }
         }
         (values, columns.len())
