@@ -18,9 +18,21 @@ fn ball() -> TriangleMesh {
     let place = |i: u32, j: u32| {
         let (turn, tilt) = (TAU * i as f32 / around as f32, PI * j as f32 / down as f32);
         // At the poles all columns are one point.
-        let level = if j % down == 0 { 0.0 } else { tilt.sin() };
-        let radius = 1.0 + 0.1 * (3.0 * turn).sin() * level.powi(3) + 0.05 * (5.0 * tilt).cos();
-        radius * Vec3::new(level * turn.cos(), tilt.cos(), level * turn.sin()) + Vec3::ZERO
+        let level = if j.is_multiple_of(down) {
+            0.0
+        } else {
+            libm::sinf(tilt)
+        };
+        let radius = 1.0
+            + 0.1 * libm::sinf(3.0 * turn) * level * level * level
+            + 0.05 * libm::cosf(5.0 * tilt);
+        radius
+            * Vec3::new(
+                level * libm::cosf(turn),
+                libm::cosf(tilt),
+                level * libm::sinf(turn),
+            )
+            + Vec3::ZERO
     };
     let columns = around + 1;
     let grid = || (0..=down).flat_map(move |j| (0..columns).map(move |i| (i, j)));
@@ -122,7 +134,7 @@ fn no_point_is_farther_from_the_other_surface_than_the_budget() {
     let before = scene(ball(), &[placement], Material::default());
     let full = placed(&before);
     // A pixel's least width: 40 degrees in 300 rows, at the distance of what is nearest.
-    let tan = f64::from(20.0_f32.to_radians().tan());
+    let tan = libm::tan(20.0_f64.to_radians());
     let corner = 1.0 + tan * tan * (1.0 + 16.0 / 9.0);
     let nearest = full
         .iter()
