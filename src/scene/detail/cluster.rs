@@ -1,4 +1,4 @@
-//! Vertices of a piece that are connected within one cell of a grid become one of them: rough, but it takes a tenth of the time of collapsing edges one by one, of which few are left then
+//! Vertices of a piece that are connected within one cell of a grid become one of them: rough, but fast, and few edges are left to collapse one by one then
 //! (vertex clustering, Rossignac and Borrel 1993; only along edges, so that neither gaps close nor the two sides of a sheet meet).
 
 use glam::Vec3;
