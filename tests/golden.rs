@@ -74,7 +74,7 @@ const GOLDEN: [Golden; 12] = [
         name: "lecture-objects-path",
         model: "lecture-objects.gltf",
         camera: &OBJECTS,
-        args: &["--integrator=path"],
+        args: &["--integrator=path", "--exhaustive"],
         layers: &COLOR,
     },
     Golden {

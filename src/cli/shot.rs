@@ -23,6 +23,9 @@ use super::summary::{RenderSummary, Seconds};
 use super::tev::Server;
 use super::{Done, camera_args, metadata, output, pixel, progress};
 
+/// Samples that a pixel is expected to get where noise decides: what a structure is worth depends on it.
+const EXPECTED_SAMPLES: u32 = 64;
+
 /// Everything that all pictures of a run share.
 pub(super) struct Studio<'a> {
     pub(super) args: &'a RenderArgs,
@@ -202,7 +205,12 @@ impl Studio<'_> {
     fn build(&self, shot: &Shot, pictures: usize) -> anyhow::Result<Built> {
         let (view, _) = self.view(shot)?;
         let started = Instant::now();
-        let samples = self.options.window.area() * u64::from(self.options.samples);
+        let samples = match self.options.noise {
+            // Few pixels get the most.
+            Some(_) => self.options.samples.min(EXPECTED_SAMPLES),
+            None => self.options.samples,
+        };
+        let samples = self.options.window.area() * u64::from(samples);
         let rays = samples.saturating_mul(u64::from(self.options.integrator.rays_a_sample()));
         let triangles = self
             .scene

@@ -233,7 +233,7 @@ mod tests {
         assert!((greatest_scale(&placed(turn * stretch * other)) - 3.0).abs() < 1e-9);
         for matrix in [shear, turn * shear * stretch] {
             let directions = (0..40_000).map(|i| {
-                let (s, c) = (f64::from(i % 200) * 0.0314159).sin_cos();
+                let (s, c) = libm::sincos(f64::from(i % 200) * 0.0314159);
                 let z = f64::from(i / 200) / 100.0 - 1.0;
                 DVec3::new((1.0 - z * z).sqrt() * c, (1.0 - z * z).sqrt() * s, z)
             });

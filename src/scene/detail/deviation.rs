@@ -67,7 +67,7 @@ pub(super) fn deviation(
 ) -> Option<f64> {
     let nearest = nearest_kept(surface);
     let around = Around::new(surface.positions.len(), surface.kept);
-    let mut most = (LEAST_SHARE * allowed).powi(2);
+    let mut most = LEAST_SHARE * allowed * LEAST_SHARE * allowed;
     for (point, vertex) in points {
         let start = nearest[vertex as usize];
         if start == UNKNOWN {
