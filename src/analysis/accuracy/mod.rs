@@ -27,12 +27,13 @@ pub(super) mod alone;
 mod blame;
 pub(super) mod dispute;
 mod kinds;
+mod mistakes;
 mod oracle;
 pub(super) mod trouble;
 pub(super) mod verdict;
 
-pub use dispute::{Mistakes, WrongRay};
 pub use kinds::{Blame, Kind, Trouble};
+pub use mistakes::{Mistakes, WrongRay};
 pub use oracle::Oracle;
 pub(super) use oracle::exact_hit;
 

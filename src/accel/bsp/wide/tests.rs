@@ -3,7 +3,7 @@
 use super::*;
 use crate::accel::bake;
 use crate::accel::counters::Uncounted;
-use crate::geometry::{Double, Fast, Interval, Watertight};
+use crate::geometry::Interval;
 use crate::scene::{Instance, Part, Scene, TriangleMesh};
 use glam::{DAffine3, Mat3};
 
@@ -159,55 +159,6 @@ fn only_cells_that_rays_reach_are_built() {
         "{before:?} {after:?}"
     );
     assert!(after.nodes > before.nodes && after.depth >= before.depth);
-}
-
-/// The tree and its triangles one by one, by the same test: where their answers are not the same bits, and of how many hits.
-fn compare_with_every_triangle<T: WideTest>(growth: Growth) -> (usize, usize) {
-    let tree = set_grown(Some(turned()), BspQuality::Default, growth);
-    let mut tree = tree.tested_by::<T>();
-    let (mut hits, mut others) = (0, 0);
-    for ray in rays() {
-        let mut nearest = Nearest::of(&ray);
-        if ray.is_traceable() {
-            tree.test_everything(&ray, None, &mut nearest, &mut Uncounted);
-        }
-        let every = nearest.hit();
-        hits += usize::from(every.is_some());
-        let mut of_portable = None;
-        for instructions in Instructions::available().into_iter().rev() {
-            tree.instructions = instructions;
-            let found = tree.closest_alone(&ray, &mut Uncounted);
-            assert_eq!(
-                *of_portable.get_or_insert(found),
-                found,
-                "{instructions:?} {ray:?}"
-            );
-            let is_hit = tree.any_alone(&ray, &mut Uncounted);
-            assert_eq!(is_hit, found.is_some(), "{instructions:?} {ray:?}");
-            let (mut batch, mut flags) = ([None], [!is_hit]);
-            tree.closest_alone_batch(&[ray], &mut batch);
-            tree.any_alone_batch(&[ray], &mut flags);
-            assert_eq!((batch, flags), ([found], [is_hit]));
-        }
-        others += usize::from(of_portable.flatten() != every);
-    }
-    (others, hits)
-}
-
-#[test]
-fn other_tests_are_walked_alike_by_all_instructions_and_hit_what_they_hit_without_a_tree() {
-    let all = [
-        compare_with_every_triangle::<Double>(Growth::Whole),
-        compare_with_every_triangle::<Watertight>(Growth::Reached),
-        compare_with_every_triangle::<Fast>(Growth::Whole),
-    ];
-    for (others, hits) in all {
-        // What they hit beside a triangle, a tree need not find.
-        assert!(
-            hits > 2000 && others * 500 < hits,
-            "{others} of {hits}: {all:?}"
-        );
-    }
 }
 
 #[test]
