@@ -190,7 +190,11 @@ fn stats_are_a_table_of_the_same() {
     let tables: Vec<&str> = ran.stdout.split("\n\n").collect();
     assert_eq!(tables.len(), 2, "{}", ran.stdout);
     assert!(tables[1].starts_with("needs  ") && tables[1].contains("\ntriangles  "));
-    assert!(tables.iter().all(|table| table.lines().all(is_row)), "{}", ran.stdout);
+    assert!(
+        tables.iter().all(|table| table.lines().all(is_row)),
+        "{}",
+        ran.stdout
+    );
 }
 
 #[test]
