@@ -5,7 +5,7 @@ use serde_json::Value;
 use super::run::{bspray, model, picture};
 
 fn json(args: &[&str]) -> Value {
-    let folder = tempfile::tempdir().unwrap();
+    let folder = tempfile::tempdir().expect("a folder");
     let ran = bspray(folder.path(), args);
     assert_eq!(ran.code, Some(0), "{ran:?}");
     serde_json::from_str(&ran.stdout).expect("JSON")

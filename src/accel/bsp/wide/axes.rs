@@ -37,7 +37,7 @@ impl Axes {
         triangles: impl ExactSizeIterator<Item = &'a Triangle> + Clone,
     ) -> Option<Self> {
         // Odd, so that it passes over neither half of rectangles.
-        let step = triangles.len() / SAMPLE | 1;
+        let step = (triangles.len() / SAMPLE) | 1;
         let triangles = triangles.step_by(step);
         let normals = triangles.clone().map(area_vector);
         let first = dominant(normals.clone(), |_| true)?;

@@ -130,11 +130,14 @@ mod tests {
 
     #[test]
     fn many_rays_have_the_answers_of_each() {
-        for axes in [None, Some(turned())] {
+        let cases = [
+            (None, Growth::Whole),
+            (None, Growth::Reached),
+            (Some(turned()), Growth::Whole),
+        ];
+        for (axes, growth) in cases {
             let whole = set_along(axes, BspQuality::Default);
-            let reached = set_grown(axes, BspQuality::Default, Growth::Reached);
-            compare(reached, &whole);
-            compare(set_along(axes, BspQuality::Default), &whole);
+            compare(set_grown(axes, BspQuality::Default, growth), &whole);
         }
     }
 
