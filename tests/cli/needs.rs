@@ -94,10 +94,10 @@ fn pictures_do_not_depend_on_when_what_is_built() {
         let ahead = at("ahead");
         assert!(ahead == at("reached") && ahead == at("auto"), "{accel}");
     }
-    let exhaustive = picture(&["--exhaustive"]);
-    assert!(
-        exhaustive == picture(&[]) && exhaustive == picture(&["--exhaustive", "--threads", "1"])
-    );
+    // Of paths, shadow rays are saved besides.
+    let direct = |more: &[&str]| picture(&[&["--integrator", "direct"], more].concat());
+    let exhaustive = direct(&["--exhaustive"]);
+    assert!(exhaustive == direct(&[]) && exhaustive == direct(&["--exhaustive", "--threads", "1"]));
 }
 
 #[test]
@@ -163,7 +163,7 @@ fn images_that_a_picture_cannot_show_are_not_read() {
         );
     }
     // What is read, and levels that are built when they are wanted, are what they would be.
-    assert!(render("path", &[]).2 == render("path", &["--exhaustive"]).2);
+    assert!(render("whitted", &[]).2 == render("whitted", &["--exhaustive"]).2);
     let (decoded, _, _) = render("albedo", &[]);
     assert_eq!(decoded, render("albedo", &["--exhaustive"]).0);
     // Layers show colours.
