@@ -139,18 +139,12 @@ impl PlacedInstance {
 pub(super) struct Baked {
     pub(super) sets: Vec<TriangleSet>,
     pub(super) placements: Vec<Placement>,
-    /// Whether nobody misses a triangle that lies where one of a lesser name does. Only behind a surface with alpha do rays go on to the next in the same place.
-    pub(super) drops_copies: bool,
 }
 
 /// Sorts the scene's triangles into sets. Sets without triangles are left out.
 pub(super) fn bake(scene: &Scene) -> Baked {
     let (spaces, clusters) = (TestSpaces::of(scene), scene.clusters());
-    let materials = &scene.materials;
-    let mut baked = Baked {
-        drops_copies: !materials.is_empty() && !materials.iter().any(|m| m.has_alpha()),
-        ..Baked::default()
-    };
+    let mut baked = Baked::default();
     let mut world = TriangleSet::new();
     let mut set_of_mesh: Vec<Option<u32>> = vec![None; scene.meshes.len()];
     for (index, instance) in scene.instances.iter().enumerate() {

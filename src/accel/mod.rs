@@ -297,8 +297,8 @@ impl AcceleratorKind {
 }
 
 fn wide<T: WideTest>(baked: Baked, options: &BuildOptions) -> Box<dyn Accelerator> {
-    let (options, drops_copies) = (*options, baked.drops_copies);
-    let build = move |set, growth| WideSet::<T>::build(set, &options, growth, drops_copies);
+    let options = *options;
+    let build = move |set, growth| WideSet::<T>::build(set, &options, growth);
     let top = WideTop::build;
     if options.time == BuildTime::Ahead {
         let whole = |set| build(set, Growth::Whole);

@@ -229,6 +229,9 @@ impl Studio<'_> {
         let options = self.args.bsp.options_for(self.args.seed, quality, time);
         let options = BuildOptions {
             test: self.args.intersect,
+            // Only behind a surface with alpha does a ray go on to the next in the same place.
+            drops_copies: !self.args.savings.exhaustive
+                && !self.scene.materials.iter().any(|m| m.has_alpha()),
             ..self.args.extents.add_to(options, view)
         };
         let has_wide = match self.args.accel {

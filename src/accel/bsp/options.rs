@@ -17,6 +17,9 @@ pub struct BuildOptions {
     pub instructions: BspInstructions,
     /// For the wide tree and obvhs's: what is built before the first ray.
     pub time: BuildTime,
+    /// For the wide tree: whether of triangles with the same corners only the first is there, which is what is hit. For those whose rays never continue behind a hit
+    /// ([`Ray::behind`](crate::geometry::Ray)): others would miss what they look for.
+    pub drops_copies: bool,
     /// For the polygon tree: which polygon is inserted next.
     pub order: BspOrder,
     /// For the polygon tree: whether neighbours that lie exactly in one plane enter as one polygon.

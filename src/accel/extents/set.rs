@@ -31,7 +31,7 @@ impl<T: WideTest> Under<T> {
         match options.mesh {
             MeshAccelerator::Linear => Self::Linear(LinearSet::new(set)),
             MeshAccelerator::Bsp => {
-                Self::Wide(Box::new(WideSet::build(set, options, Growth::Whole, false)))
+                Self::Wide(Box::new(WideSet::build(set, options, Growth::Whole)))
             }
             MeshAccelerator::Bvh2 => Self::Bvh(Box::new(BvhSet::build(set, BvhKind::Binary))),
             MeshAccelerator::Cwbvh => Self::Bvh(Box::new(BvhSet::build(set, BvhKind::Wide))),

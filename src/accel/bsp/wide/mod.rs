@@ -148,14 +148,12 @@ impl<T: WideTest> WideSet<T> {
         });
     }
 
-    /// With `drops_copies`, of triangles in the same place only the one of the least number is there.
     pub(in crate::accel) fn build(
         triangles: TriangleSet,
         options: &BuildOptions,
         growth: Growth,
-        drops_copies: bool,
     ) -> Self {
-        WideSet::build_exact(triangles, options, growth, drops_copies).tested_by()
+        WideSet::build_exact(triangles, options, growth).tested_by()
     }
 }
 
@@ -172,12 +170,7 @@ impl WideSet {
         }
     }
 
-    fn build_exact(
-        triangles: TriangleSet,
-        options: &BuildOptions,
-        growth: Growth,
-        drops_copies: bool,
-    ) -> Self {
+    fn build_exact(triangles: TriangleSet, options: &BuildOptions, growth: Growth) -> Self {
         let axes = match options.axes {
             BspAxes::Auto => Axes::of_dominant_normals(triangles.iter().map(|t| &t.triangle)),
             BspAxes::Space => None,
@@ -185,7 +178,7 @@ impl WideSet {
         let instructions = Instructions::chosen(options.instructions);
         Self {
             instructions: instructions.unwrap_or_else(Instructions::best),
-            ..Self::build_along(axes, triangles, options.quality, growth, drops_copies)
+            ..Self::build_along(axes, triangles, options, growth)
         }
     }
 
@@ -193,9 +186,8 @@ impl WideSet {
     fn build_along(
         axes: Option<Axes>,
         triangles: TriangleSet,
-        quality: BspQuality,
+        options: &BuildOptions,
         growth: Growth,
-        drops_copies: bool,
     ) -> Self {
         let turned: Option<Vec<[Vec4; 3]>> = axes.as_ref().map(|axes| {
             let corner = |p: Vec3| axes.corner(p).extend(0.0);
@@ -208,8 +200,8 @@ impl WideSet {
         let source = Arc::new(Source {
             triangles,
             turned,
-            plan: plan(quality),
-            drops_copies,
+            plan: plan(options.quality),
+            drops_copies: options.drops_copies,
         });
         Self {
             tree: Branch::new(&source, growth),

@@ -69,7 +69,11 @@ pub(super) fn set_along(axes: Option<Axes>, quality: BspQuality) -> WideSet {
 
 pub(super) fn set_grown(axes: Option<Axes>, quality: BspQuality, growth: Growth) -> WideSet {
     let set = bake::bake(&scene()).sets.remove(0);
-    WideSet::build_along(axes, set, quality, growth, false)
+    let options = BuildOptions {
+        quality,
+        ..BuildOptions::default()
+    };
+    WideSet::build_along(axes, set, &options, growth)
 }
 
 /// Axes unlike those of space.
@@ -192,7 +196,12 @@ fn copies_of_triangles_are_dropped_where_nobody_misses_them() {
     mesh.parts[0].triangle_count = mesh.triangles.len() as u32;
     let build = |drops_copies| {
         let set = bake::bake(&scene).sets.remove(0);
-        WideSet::build_along(None, set, BspQuality::Fast, Growth::Whole, drops_copies)
+        let options = BuildOptions {
+            quality: BspQuality::Fast,
+            drops_copies,
+            ..BuildOptions::default()
+        };
+        WideSet::build_along(None, set, &options, Growth::Whole)
     };
     let (all, once) = (build(false), build(true));
     let members = |set: &WideSet| set.tree.store.all_triangles().map(|(n, _)| n).collect();
