@@ -36,7 +36,7 @@ use crate::geometry::Aabb;
 ///
 /// Indices are into the vectors beside them: an instance names a mesh, a mesh's part a material, a material
 /// a texture, a texture an image.
-#[derive(Debug, Default)]
+#[derive(Clone, Debug, Default)]
 pub struct Scene {
     /// Meshes, each in its own object space.
     pub meshes: Vec<TriangleMesh>,

@@ -13,7 +13,7 @@ fn chart(folder: &std::path::Path, args: &str) -> Ran {
     bspray(folder, &all)
 }
 
-const SMALL: &str = "--resolution 24x16 --repetitions 1 --method bsp,bvh2,bsp:fast,extents:double --samples 4,1,4 --max-depth 2";
+const SMALL: &str = "--resolution 24x16 --repetitions 1 --method bsp,bvh2,bsp:fast,extents:double --samples 4,1,4 --lod 3 --max-depth 2";
 
 #[test]
 fn points_have_numbers_and_commands_that_make_them_again() {
@@ -41,7 +41,10 @@ fn points_have_numbers_and_commands_that_make_them_again() {
         .iter()
         .map(|r| r["samples"].as_u64().unwrap())
         .collect();
-    assert_eq!(samples, [1, 4, 1, 4, 1, 4]);
+    assert_eq!(samples, [1, 4, 1, 4, 1, 4, 1, 4]);
+    assert_eq!(pictures[7]["method"], "bsp, lod 3");
+    // Meshes simplified by pixels make another picture.
+    assert_ne!(pictures[1]["relMSE"], pictures[7]["relMSE"]);
     // Exact structures make the same picture; more samples are nearer to the reference.
     assert_eq!(pictures[0]["relMSE"], pictures[2]["relMSE"]);
     let error = |row: usize| pictures[row]["RMSE"].as_f64().unwrap();
@@ -55,7 +58,7 @@ fn points_have_numbers_and_commands_that_make_them_again() {
     ] {
         assert!(folder.path().join("page").join(file).is_file(), "{file}");
     }
-    for row in [&rays[2], &pictures[5]] {
+    for row in [&rays[2], &pictures[5], &pictures[7]] {
         let command = row["command"].as_str().unwrap();
         let words: Vec<_> = command.split(' ').skip(1).collect();
         let again = bspray(folder.path(), &words);

@@ -59,7 +59,7 @@ impl<'a> Course<'a> {
         let methods = options.methods.len() as f64;
         let most = options.samples.iter().max().map_or(0, |&most| most);
         let of_pictures = options.samples.iter().sum::<u32>() as f64
-            * options.picture_methods.len() as f64
+            * (options.picture_methods.len() + options.budgets.len()) as f64
             * options.repetitions.max(1) as f64;
         // The reference counts as one more method.
         let samples = f64::from(most * REFERENCE_SAMPLES) + of_pictures;

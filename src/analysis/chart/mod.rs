@@ -30,6 +30,8 @@ pub struct ChartOptions {
     pub picture_methods: Vec<ChartMethod>,
     /// Samples a pixel of the pictures.
     pub samples: Vec<u32>,
+    /// Pixels by which meshes may be simplified, for further pictures with the first picture method.
+    pub budgets: Vec<f32>,
     /// What else structures are built with.
     pub build: BuildOptions,
     /// For the methods that need it.

@@ -13,7 +13,7 @@ use crate::analysis::Estimate;
 use crate::analysis::images::{ColorErrors, Colors, PIXELS_PER_DEGREE, flip_hdr};
 use crate::picture::Encoding;
 use crate::render::{self, PixelFilter, PixelRect, RenderOptions, SkyMode, Stage};
-use crate::scene::Scene;
+use crate::scene::{DetailOptions, Scene};
 
 /// The reference has as many samples a pixel for each of the most careful picture's: a quarter of the error's root is its own at most.
 pub(super) const REFERENCE_SAMPLES: u32 = 16;
@@ -23,9 +23,11 @@ pub(super) const REFERENCE_SAMPLES: u32 = 16;
 pub struct PicturePoint {
     /// With what it was traced.
     pub method: ChartMethod,
+    /// Pixels by which meshes were simplified, if they were.
+    pub budget: Option<f32>,
     /// Samples a pixel.
     pub samples: u32,
-    /// Wall-clock seconds of build and render, over the repetitions.
+    /// Wall-clock seconds of simplification, build and render, over the repetitions.
     pub seconds: Estimate,
     /// Root of the mean square difference to the reference, in linear light.
     pub rmse: f64,
@@ -46,6 +48,16 @@ pub struct PicturePoints {
     pub reference: Vec<Vec3>,
 }
 
+impl PicturePoint {
+    /// The method's name, and the budget behind it.
+    pub fn name(&self) -> String {
+        match self.budget {
+            Some(pixels) => format!("{}, lod {pixels}", self.method),
+            None => self.method.name(),
+        }
+    }
+}
+
 impl PicturePoints {
     pub(super) fn of(
         scene: &Scene,
@@ -60,15 +72,21 @@ impl PicturePoints {
         course.begin(Doing::Converge(reference_samples));
         // Other random numbers than those of any picture.
         let seed = options.seed.wrapping_add(1);
-        let (reference, _) = picture(scene, options, &usual, reference_samples, seed)?;
+        let (reference, _) = picture(scene, options, (&usual, None), reference_samples, seed)?;
         course.samples(reference_samples);
         let mut points = Vec::new();
-        for method in &options.picture_methods {
+        let whole = options.picture_methods.iter().map(|method| (method, None));
+        let first = options.picture_methods.first();
+        let coarse = options.budgets.iter().map(|&pixels| Some(pixels));
+        let coarse = first
+            .into_iter()
+            .flat_map(|m| coarse.clone().map(move |b| (m, b)));
+        for (method, budget) in whole.chain(coarse) {
             for &samples in &options.samples {
                 course.begin(Doing::Picture(*method, samples));
                 let (mut colors, mut seconds) = (Vec::new(), Vec::new());
                 for _ in 0..options.repetitions.max(1) {
-                    let found = picture(scene, options, method, samples, options.seed)?;
+                    let found = picture(scene, options, (method, budget), samples, options.seed)?;
                     colors = found.0;
                     seconds.push(found.1);
                     course.samples(samples);
@@ -84,6 +102,7 @@ impl PicturePoints {
                 let (map, _) = flip_hdr(&test, &truth, PIXELS_PER_DEGREE, None);
                 points.push(PicturePoint {
                     method: *method,
+                    budget,
                     samples,
                     seconds,
                     rmse: errors.mse.sqrt(),
@@ -100,11 +119,11 @@ impl PicturePoints {
     }
 }
 
-/// Builds and renders: the colours, and the seconds that it took.
+/// Simplifies within a budget, if there is one, builds and renders: the colours, and the seconds that it took.
 fn picture(
     scene: &Scene,
     options: &ChartOptions,
-    method: &ChartMethod,
+    (method, budget): (&ChartMethod, Option<f32>),
     samples: u32,
     seed: u32,
 ) -> Result<(Vec<Vec3>, f64), EmbreeError> {
@@ -125,7 +144,18 @@ fn picture(
         counts_cost: false,
         wants_layers: false,
     };
+    // A copy, which is not timed: `render` simplifies what it has loaded.
+    let copy = budget.map(|pixels| (scene.clone(), f64::from(pixels)));
     let started = Instant::now();
+    let coarse = copy.map(|(scene, budget)| {
+        let detail = DetailOptions {
+            views: vec![options.camera],
+            size: options.size,
+            budget,
+        };
+        scene.simplified(&detail).0
+    });
+    let scene = coarse.as_ref().unwrap_or(scene);
     let accelerator = method.build(scene, &options.build, options.embree.as_ref())?;
     let stage = Stage::new(scene, &*accelerator, options.up, SkyMode::Auto);
     let film = render::render(&stage, &options.camera, &render, &AtomicBool::new(false));

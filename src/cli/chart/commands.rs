@@ -17,11 +17,13 @@ impl ChartPage<'_> {
     /// The command that renders a picture again, as an EXR file; or, where `render` has not the method, measures it again.
     pub(super) fn picture_command(&self, p: &PicturePoint) -> String {
         let options = self.options;
+        let lod = p.budget.map(|pixels| format!(" --lod {pixels}"));
+        let lod = lod.unwrap_or_default();
         let Some(arguments) = p.method.arguments(&options.build) else {
-            return self.chart_command(&p.method, p.samples);
+            return self.chart_command(&p.method, p.samples) + &lod;
         };
         format!(
-            "bspray render {} {arguments}{} --integrator path --max-depth {} --resolution {}x{} --spp {} --seed {}{} -o picture.exr",
+            "bspray render {} {arguments}{}{lod} --integrator path --max-depth {} --resolution {}x{} --spp {} --seed {}{} -o picture.exr",
             self.model_words(),
             build_words(&options.build),
             self.max_depth,

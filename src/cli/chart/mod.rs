@@ -61,6 +61,9 @@ pub(super) struct ChartArgs {
     /// Samples a pixel of the pictures, with commas between; 0 for none
     #[arg(long, value_name = "N,...", value_delimiter = ',', value_parser = clap::value_parser!(u32).range(0..=4096))]
     samples: Vec<u32>,
+    /// Pixels by which meshes may be simplified (`--lod` of `render`), with commas between, for further pictures with the first method
+    #[arg(long, value_name = "PIXELS,...", value_delimiter = ',', default_values_t = [0.5, 2.0], value_parser = values::positive)]
+    lod: Vec<f32>,
     /// Width and height of the view, in pixels, in place of those of --quick and --thorough
     #[arg(long, value_name = "WxH", value_parser = values::resolution)]
     resolution: Option<(u32, u32)>,
@@ -209,6 +212,7 @@ fn options(
         picture_methods: ChartMethod::for_pictures(&methods),
         methods,
         samples,
+        budgets: args.lod.clone(),
         build: args.bsp.options(args.seed),
         embree,
         camera,

@@ -15,7 +15,7 @@ impl ChartPage<'_> {
         page.push(Section::Heading("Pictures".to_owned()));
         page.push(Section::Paragraph(format!(
             "Time to a path-traced picture, build and render, on {} threads, against its difference from a reference of {} samples a pixel with other random \
-            numbers. Exact structures make the same picture, bit for bit; they differ in time alone. Labels are samples a pixel.",
+            numbers. Exact structures make the same picture, bit for bit; they differ in time alone. `lod` are pictures of meshes simplified by so many pixels at most, which is done within the time. Labels are samples a pixel.",
             self.threads, pictures.reference_samples
         )));
         let metrics: [(Words, Measure<PicturePoint>); 3] = [
@@ -41,11 +41,12 @@ impl ChartPage<'_> {
             ),
         ];
         // Labels once: at the first method, whose points have the errors of all exact ones.
-        let first = pictures.points.first().map(|p| p.method);
+        let first = pictures.points.first().map(PicturePoint::name);
         for ([name, title, label], value) in metrics {
             let mut series: Vec<Series> = Vec::new();
             for p in &pictures.points {
-                let label = if Some(p.method) == first {
+                let name = p.name();
+                let label = if Some(&name) == first.as_ref() {
                     p.samples.to_string()
                 } else {
                     String::new()
@@ -57,10 +58,10 @@ impl ChartPage<'_> {
                     interval: None,
                     label,
                 };
-                match series.last_mut().filter(|s| s.name == p.method.name()) {
+                match series.last_mut().filter(|s| s.name == name) {
                     Some(series) => series.points.push(point),
                     None => series.push(Series {
-                        name: p.method.name(),
+                        name,
                         points: vec![point],
                         is_line: true,
                     }),
@@ -114,7 +115,7 @@ impl ChartPage<'_> {
         for p in &self.points.pictures.points {
             let [low, high] = [p.seconds.low, p.seconds.high];
             table.push(vec![
-                p.method.name().as_str().into(),
+                p.name().as_str().into(),
                 u64::from(p.samples).into(),
                 p.seconds.median.into(),
                 low.into(),

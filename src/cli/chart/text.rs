@@ -49,7 +49,7 @@ impl ChartPage<'_> {
             let _ = writeln!(
                 out,
                 "{:<22}{:>9}{:>18}{:>12.3e}{:>12.3e}{:>10.4}",
-                p.method.name(),
+                p.name(),
                 p.samples,
                 format!("{:.3} ± {:.3}", p.seconds.median, (high - low) / 2.0),
                 p.rel_mse,
