@@ -1,10 +1,15 @@
 //! Meshes in pieces: triangles of one material that are near one another. Pieces are simplified apart, each within its border.
 
+use rayon::prelude::*;
+
 use crate::geometry::Aabb;
 use crate::scene::TriangleMesh;
 
 /// Most triangles of a piece. Fewer: more of them on borders, which stay; more: less for each thread, and a piece that is near at one end is fine all over.
 const MOST_TRIANGLES: usize = 1 << 17;
+
+/// Cells along the longest side of a grid by which triangles are sorted into pieces.
+const SIDE: usize = 64;
 
 /// Triangles of a mesh.
 pub(super) struct Piece {
@@ -58,47 +63,98 @@ impl Piece {
 pub(super) fn of(mesh: &TriangleMesh) -> Vec<(usize, Piece)> {
     let mut pieces = Vec::new();
     for (index, part) in mesh.parts.iter().enumerate() {
-        let end = part.first_triangle + part.triangle_count;
-        if part.triangle_count as usize <= MOST_TRIANGLES {
-            let which = Which::Run(part.first_triangle, end);
-            pieces.push((index, Piece::new(mesh, which)));
-            continue;
+        let run = part.first_triangle..part.first_triangle + part.triangle_count;
+        if run.len() <= MOST_TRIANGLES {
+            pieces.push((index, Which::Run(run.start, run.end)));
+        } else {
+            let lists = split(mesh, run.collect()).into_iter();
+            pieces.extend(lists.map(|list| (index, Which::List(list))));
         }
-        let halves = split(mesh, (part.first_triangle..end).collect());
-        let halves = halves.into_iter().map(Which::List);
-        pieces.extend(halves.map(|which| (index, Piece::new(mesh, which))));
     }
+    let pieces = pieces.into_par_iter();
     pieces
+        .map(|(part, which)| (part, Piece::new(mesh, which)))
+        .collect()
 }
 
-/// Halves of halves, along the longest side of what there is. A triangle is where its first corner is.
-fn split(mesh: &TriangleMesh, mut triangles: Vec<u32>) -> Vec<Vec<u32>> {
+/// Lists of triangles that are near one another: cells of a grid are halved, and halved again, along the longest side of what there is; where one cell has too many, it gets a grid of its own. A triangle is where its first corner is.
+fn split(mesh: &TriangleMesh, triangles: Vec<u32>) -> Vec<Vec<u32>> {
     if triangles.len() <= MOST_TRIANGLES {
-        triangles.sort_unstable();
         return vec![triangles];
     }
     let place = |triangle: u32| mesh.positions[mesh.triangles[triangle as usize][0] as usize];
     let bounds: Aabb = triangles.iter().map(|&t| place(t)).collect();
-    let extent = bounds.extent();
-    let longer = |best, axis| {
-        if extent[axis] > extent[best] {
-            axis
-        } else {
-            best
-        }
+    let edge = bounds.extent().max_element() / SIDE as f32;
+    if edge <= 0.0 {
+        // All at one place, or as good as.
+        return triangles
+            .chunks(MOST_TRIANGLES)
+            .map(<[u32]>::to_vec)
+            .collect();
+    }
+    let sides = (bounds.extent() / edge)
+        .to_array()
+        .map(|s| (s as usize).min(SIDE - 1) + 1);
+    let cell = |&triangle: &u32| {
+        let from = (place(triangle) - bounds.min) / edge;
+        let [x, y, z] = [0, 1, 2].map(|axis| (from[axis] as usize).min(sides[axis] - 1));
+        (x + sides[0] * (y + sides[1] * z)) as u32
     };
-    let axis = [1, 2].into_iter().fold(0, longer);
-    // Places beside the names, so that comparing them reads nothing else.
-    let mut keys: Vec<(f32, u32)> = triangles.iter().map(|&t| (place(t)[axis], t)).collect();
+    let cells: Vec<u32> = triangles.par_iter().map(cell).collect();
+    let mut counts = vec![0_usize; sides.iter().product()];
+    for &cell in &cells {
+        counts[cell as usize] += 1;
+    }
+    let used = (0..counts.len()).filter(|&cell| counts[cell] > 0);
+    let mut used: Vec<usize> = used.collect();
+    let mut piece_of = vec![0; counts.len()];
+    let mut sizes = Vec::new();
+    halve(&mut used, sides, &counts, &mut |cells, size| {
+        cells.iter().for_each(|&cell| piece_of[cell] = sizes.len());
+        sizes.push(size);
+    });
+    let mut pieces: Vec<Vec<u32>> = sizes.into_iter().map(Vec::with_capacity).collect();
+    for (triangle, cell) in triangles.iter().zip(cells) {
+        pieces[piece_of[cell as usize]].push(*triangle);
+    }
     drop(triangles);
-    let middle = keys.len() / 2;
-    keys.select_nth_unstable_by(middle, |a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
-    let [front, behind] = [&keys[..middle], &keys[middle..]];
-    let [front, behind] = [front, behind].map(|half| half.iter().map(|key| key.1).collect());
-    drop(keys);
-    let (mut front, behind) = rayon::join(|| split(mesh, front), || split(mesh, behind));
-    front.extend(behind);
-    front
+    let pieces = pieces.into_iter();
+    pieces.flat_map(|piece| split(mesh, piece)).collect()
+}
+
+/// Halves cells by their triangles until they have few enough, or there is one; each with the number of its triangles is given to `take`.
+fn halve(
+    cells: &mut [usize],
+    sides: [usize; 3],
+    counts: &[usize],
+    take: &mut impl FnMut(&[usize], usize),
+) {
+    let size = cells.iter().map(|&cell| counts[cell]).sum();
+    if size <= MOST_TRIANGLES || cells.len() == 1 {
+        return take(cells, size);
+    }
+    let at = |cell: usize| {
+        [
+            cell % sides[0],
+            cell / sides[0] % sides[1],
+            cell / sides[0] / sides[1],
+        ]
+    };
+    let reach = |axis: usize| {
+        let along = || cells.iter().map(|&cell| at(cell)[axis]);
+        along().max().unwrap_or(0) - along().min().unwrap_or(0)
+    };
+    let axis = (0..3).max_by_key(|&axis| reach(axis)).unwrap_or(0);
+    cells.sort_unstable_by_key(|&cell| (at(cell)[axis], cell));
+    let mut before = 0;
+    let mut is_front = |&cell: &usize| {
+        before += counts[cell];
+        2 * before <= size
+    };
+    let front = cells.iter().take_while(|cell| is_front(cell)).count();
+    let (front, behind) = cells.split_at_mut(front.clamp(1, cells.len() - 1));
+    halve(front, sides, counts, take);
+    halve(behind, sides, counts, take);
 }
 
 #[cfg(test)]

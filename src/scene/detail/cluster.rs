@@ -1,17 +1,36 @@
-//! Vertices of a piece that are connected within one cell of a grid become one of them: rough, but fast, and few edges are left to collapse one by one then
-//! (vertex clustering, Rossignac and Borrel 1993; only along edges, so that neither gaps close nor the two sides of a sheet meet).
+//! Vertices of a piece that are connected within one cell of a grid become one of them: rough, but fast
+//! (vertex clustering, Rossignac and Borrel 1993; only along edges, so that neither gaps close nor the two sides of a sheet meet). Where the surface is not near enough then, its cells are divided.
 
 use glam::Vec3;
 
 /// Cells along an axis that have a number.
 const MOST_CELLS: f32 = 2_000_000.0;
 
-/// Which vertices have become one, and the triangles that are left.
+/// Cosine of the angle between a triangle and the surface that it stands for: 75 degrees. Beyond, it stands on edge or faces away, and is a fold.
+const FOLD: f64 = 0.25;
+
+/// A piece's surface.
+#[derive(Clone, Copy)]
+pub(super) struct Patch<'a> {
+    pub(super) positions: &'a [Vec3],
+    pub(super) triangles: &'a [[u32; 3]],
+}
+
+/// Which vertices have become one.
 pub(super) struct Clusters {
     /// For each vertex the one that it has become, which has become itself.
-    pub(super) become_of: Vec<u32>,
-    /// Triangles of different vertices.
+    become_of: Vec<u32>,
+    /// Vertices that must stay.
+    fixed: Vec<bool>,
+    /// The triangles that are left: those of different vertices.
     pub(super) triangles: Vec<[u32; 3]>,
+    /// Those of them that were made last, are folds, and of more than half of the area `least`.
+    pub(super) folds: Vec<[u32; 3]>,
+    least: f64,
+    /// The sum of the normals around each vertex, as long as twice the areas.
+    around: Vec<Vec3>,
+    /// The same, around all that have become one.
+    normals: Vec<Vec3>,
 }
 
 /// Vertices whose triangles do not close around them, on borders and seams, so that they must stay; a few others may be taken for such.
@@ -39,52 +58,163 @@ fn root(parents: &mut [u32], mut vertex: u32) -> u32 {
     vertex
 }
 
-/// Joins vertices within cells of an edge `cell`, in units of the positions; `None` where nothing can be joined: cells are too small or none are wanted.
-pub(super) fn join(positions: &[Vec3], triangles: &[[u32; 3]], cell: f32) -> Option<Clusters> {
+/// The normal of a triangle, as long as twice its area.
+fn normal(positions: &[Vec3], corners: [u32; 3]) -> Vec3 {
+    let [a, b, c] = corners.map(|v| positions[v as usize]);
+    (b - a).cross(c - a)
+}
+
+/// The cell of a vertex that is in none.
+const NO_CELL: u64 = u64::MAX;
+
+/// No vertex.
+const NO_VERTEX: u32 = u32::MAX;
+
+/// The cell of each vertex that is `wanted`.
+fn cells(positions: &[Vec3], cell: f32, wanted: impl Fn(usize) -> bool) -> Vec<u64> {
     let bounds: crate::geometry::Aabb = positions.iter().copied().collect();
     let usable = cell > 0.0 && bounds.extent().max_element() / cell < MOST_CELLS;
     if !usable {
-        return None;
+        return vec![NO_CELL; positions.len()];
     }
-    let fixed = fixed(positions.len(), triangles);
-    let place = |p: Vec3| (p - bounds.min) / cell;
-    let cells: Vec<u64> = positions
-        .iter()
-        .map(|&p| {
-            let [x, y, z] = place(p).to_array().map(|c| c as u64);
-            x << 42 | y << 21 | z
-        })
-        .collect();
-    let mut parents: Vec<u32> = (0..positions.len() as u32).collect();
-    for t in triangles {
-        for (a, b) in [(t[0], t[1]), (t[1], t[2]), (t[2], t[0])] {
-            let (i, j) = (a as usize, b as usize);
-            if cells[i] == cells[j] && !fixed[i] && !fixed[j] {
-                let (a, b) = (root(&mut parents, a), root(&mut parents, b));
-                parents[a.max(b) as usize] = a.min(b);
+    let scale = 1.0 / cell;
+    let number = |vertex: usize| {
+        if !wanted(vertex) {
+            return NO_CELL;
+        }
+        let place = (positions[vertex] - bounds.min) * scale;
+        let [x, y, z] = place.to_array().map(|c| u64::from(c as i32 as u32));
+        x << 42 | y << 21 | z
+    };
+    (0..positions.len()).map(number).collect()
+}
+
+impl Clusters {
+    /// Vertices joined within cells of an edge `cell`, in units of the positions. Where cells are too small to be numbered, vertices stay by themselves. No one sees folds of less than half of the area `least`.
+    pub(super) fn new(patch: Patch, cell: f32, least: f64) -> Self {
+        let mut clusters = Self {
+            become_of: (0..patch.positions.len() as u32).collect(),
+            fixed: fixed(patch.positions.len(), patch.triangles),
+            triangles: Vec::new(),
+            folds: Vec::new(),
+            least,
+            around: vec![Vec3::ZERO; patch.positions.len()],
+            normals: vec![Vec3::ZERO; patch.positions.len()],
+        };
+        for t in patch.triangles {
+            let normal = normal(patch.positions, *t);
+            t.iter()
+                .for_each(|&v| clusters.around[v as usize] += normal);
+        }
+        clusters.divide(patch, cell, |_| true);
+        clusters
+    }
+
+    /// What a vertex has become.
+    pub(super) fn of(&self, vertex: u32) -> u32 {
+        self.become_of[vertex as usize]
+    }
+
+    /// What all triangles have become, also lines and points.
+    pub(super) fn all(&self, patch: Patch) -> Vec<[u32; 3]> {
+        let triangles = patch.triangles.iter();
+        triangles.map(|t| t.map(|v| self.of(v))).collect()
+    }
+
+    /// Takes clusters apart and joins their vertices anew within cells of an edge `cell`; no others join them. `wanted`: whether the cluster of a vertex is one of them. Whether anything has changed.
+    pub(super) fn divide(&mut self, patch: Patch, cell: f32, wanted: impl Fn(u32) -> bool) -> bool {
+        let positions = patch.positions;
+        let taken: Vec<bool> = self.become_of.iter().map(|&v| wanted(v)).collect();
+        let members: Vec<u32> = (0..positions.len() as u32)
+            .filter(|&v| taken[v as usize])
+            .collect();
+        let before: Vec<u32> = members.iter().map(|&v| self.of(v)).collect();
+        let touched = patch.triangles.iter();
+        let touched: Vec<[u32; 3]> = touched
+            .filter(|t| t.iter().any(|&v| taken[v as usize]))
+            .copied()
+            .collect();
+        self.triangles.retain(|t| !t.iter().any(|&v| wanted(v)));
+        for &v in &members {
+            self.become_of[v as usize] = v;
+        }
+        let cells = cells(positions, cell, |v| taken[v] && !self.fixed[v]);
+        self.join(&touched, &cells);
+        self.choose(positions, &members);
+        self.folds.clear();
+        for from in touched {
+            let to = from.map(|v| self.of(v));
+            let [a, b, c] = to;
+            if a == b || b == c || c == a {
+                continue;
+            }
+            self.triangles.push(to);
+            if self.is_fold(positions, to) {
+                self.folds.push(to);
+            }
+        }
+        members
+            .iter()
+            .zip(before)
+            .any(|(&v, was)| self.of(v) != was)
+    }
+
+    /// Whether a triangle stands on edge, or faces away from the way that those around its corners face, and can be seen.
+    fn is_fold(&self, positions: &[Vec3], corners: [u32; 3]) -> bool {
+        let faces = corners.map(|v| self.normals[v as usize].as_dvec3());
+        let faces = faces[0] + faces[1] + faces[2];
+        let normal = normal(positions, corners).as_dvec3();
+        let cosine = normal.dot(faces);
+        let lengths = normal.length_squared() * faces.length_squared();
+        normal.length() > self.least && (cosine < 0.0 || cosine * cosine < FOLD * FOLD * lengths)
+    }
+
+    /// Joins vertices of triangles within cells.
+    fn join(&mut self, triangles: &[[u32; 3]], cells: &[u64]) {
+        for t in triangles {
+            let [a, b, c] = t.map(|v| cells[v as usize]);
+            for (i, j, is_one) in [(0, 1, a == b), (1, 2, b == c), (2, 0, c == a)] {
+                if is_one && cells[t[i] as usize] != NO_CELL {
+                    let (i, j) = (
+                        root(&mut self.become_of, t[i]),
+                        root(&mut self.become_of, t[j]),
+                    );
+                    self.become_of[i.max(j) as usize] = i.min(j);
+                }
             }
         }
     }
-    // Of each group, the vertex nearest to the middle of the cell stands for all: they are evenly spaced then.
-    let off_middle = |v: u32| (place(positions[v as usize]).fract() - 0.5).length_squared();
-    let mut best: Vec<u32> = (0..positions.len() as u32).collect();
-    for vertex in 0..positions.len() as u32 {
-        let group = root(&mut parents, vertex) as usize;
-        if off_middle(vertex) < off_middle(best[group]) {
-            best[group] = vertex;
+
+    /// Of each group of joined vertices, the one nearest to the mean of all stands for them.
+    fn choose(&mut self, positions: &[Vec3], members: &[u32]) {
+        let mut means = vec![(Vec3::ZERO, 0.0_f32); positions.len()];
+        let groups: Vec<u32> = members
+            .iter()
+            .map(|&v| root(&mut self.become_of, v))
+            .collect();
+        for (&v, &group) in members.iter().zip(&groups) {
+            let (sum, count) = &mut means[group as usize];
+            *sum += positions[v as usize];
+            *count += 1.0;
+        }
+        let mut best = vec![(f32::INFINITY, NO_VERTEX); positions.len()];
+        for (&v, &group) in members.iter().zip(&groups) {
+            let (sum, count) = means[group as usize];
+            let best = &mut best[group as usize];
+            let off = (sum / count - positions[v as usize]).length_squared();
+            if best.1 == NO_VERTEX || off < best.0 {
+                *best = (off, v);
+            }
+        }
+        for &v in members {
+            self.normals[v as usize] = Vec3::ZERO;
+        }
+        for (&v, group) in members.iter().zip(groups) {
+            let chosen = best[group as usize].1;
+            self.become_of[v as usize] = chosen;
+            self.normals[chosen as usize] += self.around[v as usize];
         }
     }
-    let become_of: Vec<u32> = (0..positions.len() as u32)
-        .map(|vertex| best[root(&mut parents, vertex) as usize])
-        .collect();
-    let joined = triangles.iter().map(|t| t.map(|v| become_of[v as usize]));
-    let triangles = joined
-        .filter(|[a, b, c]| a != b && b != c && c != a)
-        .collect();
-    Some(Clusters {
-        become_of,
-        triangles,
-    })
 }
 
 #[cfg(test)]
@@ -110,18 +240,21 @@ mod tests {
     #[test]
     fn connected_vertices_join_and_sheets_and_borders_stay() {
         let (positions, triangles) = sheets();
-        let clusters = join(&positions, &triangles, 0.5).expect("large cells");
-        assert!(
-            clusters.triangles.len() < triangles.len() / 4,
-            "{}",
-            clusters.triangles.len()
-        );
-        for (vertex, &other) in clusters.become_of.iter().enumerate() {
-            let (from, to) = (positions[vertex], positions[other as usize]);
-            assert_eq!(clusters.become_of[other as usize], other);
+        let patch = Patch {
+            positions: &positions,
+            triangles: &triangles,
+        };
+        let clusters = Clusters::new(patch, 0.5, 0.0);
+        assert_eq!(clusters.folds, [[0; 3]; 0]);
+        let joined = &clusters.triangles;
+        assert!(joined.len() < triangles.len() / 4, "{}", joined.len());
+        for (vertex, from) in (0..).zip(&positions) {
+            let other = clusters.of(vertex);
+            let to = positions[other as usize];
+            assert_eq!(clusters.of(other), other);
             assert!(from.z == to.z && (from - to).abs().max_element() < 0.5);
             let is_inner = |x: f32| 0.05 < x && x < 3.95;
-            assert!((is_inner(from.x) && is_inner(from.y)) || from == to);
+            assert!((is_inner(from.x) && is_inner(from.y)) || *from == to);
         }
         // With its border where it was, a flat sheet keeps its area, however its triangles are turned.
         let area = |triangles: &[[u32; 3]]| {
@@ -131,16 +264,46 @@ mod tests {
             });
             doubled.sum::<f64>() / 2.0
         };
-        let (after, before) = (area(&clusters.triangles), area(&triangles));
+        let (after, before) = (area(joined), area(&triangles));
         assert!((after - before).abs() < 1e-4, "{after} {before}");
+    }
+
+    #[test]
+    fn clusters_are_divided_where_that_is_wanted_alone() {
+        let (positions, triangles) = sheets();
+        let patch = Patch {
+            positions: &positions,
+            triangles: &triangles,
+        };
+        let mut clusters = Clusters::new(patch, 0.5, 0.0);
+        let before: Vec<u32> = (0..positions.len() as u32)
+            .map(|v| clusters.of(v))
+            .collect();
+        let is_wanted = |other: u32| positions[other as usize].x < 2.0;
+        assert!(clusters.divide(patch, 0.2, is_wanted));
+        for (vertex, from) in (0..).zip(&positions) {
+            let (other, was) = (clusters.of(vertex), before[vertex as usize]);
+            let cell = if is_wanted(was) { 0.2 } else { 0.5 };
+            let reach = (from - positions[other as usize]).abs().max_element();
+            assert!(reach < cell, "{reach}");
+            assert!(other == was || is_wanted(was));
+            assert_eq!(is_wanted(before[other as usize]), is_wanted(was));
+        }
+        assert!(clusters.divide(patch, 0.0, |_| true));
+        assert_eq!(clusters.triangles, triangles);
+        assert!(!clusters.divide(patch, 0.0, |_| true));
     }
 
     #[test]
     fn cells_too_small_to_number_join_nothing() {
         let (positions, triangles) = sheets();
-        assert!(join(&positions, &triangles, 0.0).is_none());
-        assert!(join(&positions, &triangles, 1e-7).is_none());
-        let fine = join(&positions, &triangles, 0.01).expect("they can be numbered");
-        assert_eq!(fine.triangles, triangles);
+        let patch = Patch {
+            positions: &positions,
+            triangles: &triangles,
+        };
+        for cell in [0.0, 1e-7, 0.01, f32::NAN] {
+            let clusters = Clusters::new(patch, cell, 0.0);
+            assert_eq!(clusters.triangles, triangles);
+        }
     }
 }
