@@ -224,7 +224,8 @@ impl Studio<'_> {
         let time = if self.args.savings.exhaustive || self.options.integrator.shows_steps() {
             BuildTime::Ahead
         } else {
-            BuildTime::for_rays(rays, triangles)
+            let in_picture = self.scene.share_in_frame(&view.camera, self.options.size);
+            BuildTime::for_rays(rays, triangles, in_picture)
         };
         let options = self.args.bsp.options_for(self.args.seed, quality, time);
         let options = BuildOptions {

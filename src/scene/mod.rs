@@ -11,6 +11,7 @@ mod light;
 mod material;
 mod measure;
 mod mesh;
+mod seen;
 mod texture;
 
 pub use camera::{Camera, Lens, Projection};
