@@ -3,8 +3,8 @@
 
     against_exhaustive.py [--models FOLDER] [--scenes NAME,...] [--turns N] [--spp N] [--threads N] [--bspray FILE]
 
-FOLDER has the models that are not in this project: gltf/Sponza, gltf/FlightHelmet, gltf/chess-board.glb, obj/bunny.obj, obj/city_etoile. Landscapes are made with
-`generate-models terrain`, the field of chess sets here: 50 x 50 of them, by EXT_mesh_gpu_instancing. A scene whose model is not there is left out, and named.
+FOLDER has the models that are not in this project: gltf/Sponza, gltf/FlightHelmet, gltf/khronos/MetalRoughSpheresNoTextures, gltf/chess-board.glb, obj/bunny.obj, obj/city_etoile. Landscapes are made with
+`generate-models terrain`, the field of chess sets by `detail.py`: 50 x 50 of them. A scene whose model is not there is left out, and named. `--with "--lod 0.5"` gives the run with savings more of them.
 
 Printed is a row a scene: user seconds and wall seconds of both, peak memory of both (ru_maxrss), and how often as much the exhaustive run takes: above 1 savings
 pay. Then when the first pixels were there, the share of the triangles for which the structure was built, FLIP between both pictures, and FLIP between two seeds, which is
@@ -14,15 +14,17 @@ import argparse
 import json
 import os
 import statistics
-import struct
 import subprocess
 import sys
 import tempfile
 import time
 from pathlib import Path
 
+import detail
+
 HERE = Path(__file__).resolve().parents[2]
-SETS, SPACING = 50, 1.2
+SETS = 50
+WITHIN = ["--camera-position=0.4,1.2,0.2", "--camera-focal-point=3,0.3,4", "--camera-view-angle", "50"]
 
 
 def arguments():
@@ -35,6 +37,7 @@ def arguments():
     p.add_argument("--resolution", default="1280x720")
     p.add_argument("--spp", type=int, default=4)
     p.add_argument("--threads", type=int, default=2)
+    p.add_argument("--with", dest="more", default="", help="further arguments of the run with savings, such as \"--lod 0.5\"")
     p.add_argument("--large", type=int, default=10_000_000, help="triangles of the largest landscape, which is rendered once a pixel")
     return p.parse_args()
 
@@ -53,12 +56,12 @@ def views(a, folder):
         ("helmet", shared / "gltf/FlightHelmet/FlightHelmet.gltf", []),
         ("helmet normals", shared / "gltf/FlightHelmet/FlightHelmet.gltf", ["--integrator", "normals"]),
         ("sponza id", shared / "gltf/Sponza/Sponza.gltf", ["--integrator", "id", "--camera-position=-8,2,0", "--camera-focal-point=10,3,0", "--camera-view-angle", "60"]),
-        ("terrain small", terrain(1_000_000), ["--camera-position=0,300,400", "--camera-focal-point=0,0,0", "--camera-view-angle", "40"]),
-        ("terrain within", terrain(1_000_000), ["--camera-position=0.4,0.9,0.2", "--camera-focal-point=3,0.3,4", "--camera-view-angle", "50"]),
+        ("spheres afar", shared / "gltf/khronos/MetalRoughSpheresNoTextures/MetalRoughSpheresNoTextures.glb", ["--camera-position=0.00323,0.00325,0.05", "--camera-focal-point=0.00323,0.00325,0"]),
+        ("terrain afar", terrain(1_000_000), ["--camera-position=700,300,950", "--camera-focal-point=175,-40,200"]),
+        ("terrain within", terrain(1_000_000), WITHIN),
         ("chess field", lambda: chess_field(chess, folder), []),
-        ("chess field, one", lambda: chess_field(chess, folder), ["--camera-position=0,0.5,0.9", "--camera-focal-point=0,0.05,0", "--camera-view-angle", "30"]),
         ("large terrain", terrain(a.large), once),
-        ("large terrain within", terrain(a.large), [*once, "--camera-position=0.4,0.9,0.2", "--camera-focal-point=3,0.3,4", "--camera-view-angle", "50"]),
+        ("large terrain within", terrain(a.large), [*once, *WITHIN]),
     ]
 
 
@@ -70,68 +73,13 @@ def generated(a, folder, count):
 
 
 def chess_field(source, folder):
-    """A field of chess sets: every mesh node of the set gets the places of all sets, in its own space."""
+    """A field of chess sets, which share their meshes."""
     file = folder / "chess-field.glb"
-    if file.exists() or not source.exists():
-        return file if file.exists() else source
-    data = source.read_bytes()
-    length = struct.unpack_from("<I", data, 12)[0]
-    document, binary = json.loads(data[20 : 20 + length]), bytearray(data[28 + length :])
-    cells = [(SPACING * (i - SETS // 2), SPACING * (j - SETS // 2)) for i in range(SETS) for j in range(SETS)]
-
-    def descend(node, linear):
-        node = document["nodes"][node]
-        linear = product(linear, own_linear(node))
-        if "mesh" in node:
-            inverse = inverted(linear)
-            places = [tuple(inverse[r][0] * x + inverse[r][2] * z for r in range(3)) for x, z in cells]
-            binary.extend(b"\0" * (-len(binary) % 4))
-            view = {"buffer": 0, "byteOffset": len(binary), "byteLength": 12 * len(places)}
-            for place in places:
-                binary.extend(struct.pack("<3f", *place))
-            document["bufferViews"].append(view)
-            document["accessors"].append({"bufferView": len(document["bufferViews"]) - 1, "componentType": 5126, "count": len(places), "type": "VEC3"})
-            attributes = {"TRANSLATION": len(document["accessors"]) - 1}
-            node.setdefault("extensions", {})["EXT_mesh_gpu_instancing"] = {"attributes": attributes}
-        for child in node.get("children", []):
-            descend(child, linear)
-
-    for root in document["scenes"][document.get("scene", 0)]["nodes"]:
-        descend(root, [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]])
-    document["buffers"][0]["byteLength"] = len(binary)
-    document.setdefault("extensionsUsed", []).append("EXT_mesh_gpu_instancing")
-    text = json.dumps(document).encode()
-    text += b" " * (-len(text) % 4)
-    binary += b"\0" * (-len(binary) % 4)
-    head = struct.pack("<4sII", b"glTF", 2, 28 + len(text) + len(binary))
-    file.write_bytes(head + struct.pack("<I4s", len(text), b"JSON") + text + struct.pack("<I4s", len(binary), b"BIN\0") + binary)
+    if not source.exists():
+        return source
+    if not file.exists():
+        detail.grid(source, SETS, file)
     return file
-
-
-def own_linear(node):
-    """The linear part of a node's transform, row by row."""
-    if "matrix" in node:
-        m = node["matrix"]
-        return [[m[4 * c + r] for c in range(3)] for r in range(3)]
-    x, y, z, w = node.get("rotation", [0.0, 0.0, 0.0, 1.0])
-    turn = [
-        [1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)],
-        [2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)],
-        [2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)],
-    ]
-    scale = node.get("scale", [1.0, 1.0, 1.0])
-    return [[turn[r][c] * scale[c] for c in range(3)] for r in range(3)]
-
-
-def product(a, b):
-    return [[sum(a[r][k] * b[k][c] for k in range(3)) for c in range(3)] for r in range(3)]
-
-
-def inverted(m):
-    (a, b, c), (d, e, f), (g, h, i) = m
-    determinant = a * (e * i - f * h) - b * (d * i - f * g) + c * (d * h - e * g)
-    cofactors = [[e * i - f * h, c * h - b * i, b * f - c * e], [f * g - d * i, a * i - c * g, c * d - a * f], [d * h - e * g, b * g - a * h, a * e - b * d]]
-    return [[x / determinant for x in row] for row in cofactors]
 
 
 def run(a, model, more, output):
@@ -203,7 +151,7 @@ def main():
             runs = ([], [])
             for turn in range(a.turns):
                 for which in [(0, 1), (1, 0)][turn % 2]:
-                    flags = [more, [*more, "--exhaustive"]][which]
+                    flags = [[*more, *a.more.split()], [*more, "--exhaustive"]][which]
                     runs[which].append(run(a, model, flags, pictures[which]))
             run(a, model, [*more, "--exhaustive", "--seed", "1"], pictures[2])
             cells = [name]
@@ -212,7 +160,7 @@ def main():
                 ratios = [b / max(x, 1e-9) for x, b in zip(ours, theirs)]
                 digits = 0 if kind == 2 else 2
                 cells += [told(ours, digits), told(theirs, digits), told(ratios)]
-            with_savings, without = report(a, model, more), report(a, model, [*more, "--exhaustive"])
+            with_savings, without = report(a, model, [*more, *a.more.split()]), report(a, model, [*more, "--exhaustive"])
             cells += [f"{r['seconds']['first_pixel']:.2f}" for r in (with_savings, without)]
             cells.append(f"{100 * with_savings['accelerator']['built_share']:.1f} %")
             cells += [f"{flip(a, pictures[i], pictures[1]):.5f}" for i in (0, 2)]
