@@ -12,6 +12,7 @@ mod line;
 mod obj;
 mod same;
 mod smooth;
+mod weld;
 
 use std::path::{Path, PathBuf};
 
@@ -110,7 +111,7 @@ pub struct ImportOptions {
     /// Read only where things are: all materials are plain ones without textures, faces of glTF files are not smoothed, and no broken triangle of theirs is dropped, so that
     /// two moments of an animation have the same triangles.
     pub geometry_only: bool,
-    /// Keep meshes that a file holds several times as they are, instead of one that is placed several times.
+    /// Keep meshes and vertices that a file holds several times as they are, instead of one mesh that is placed several times, and one vertex of several triangles.
     pub keeps_copies: bool,
     /// Of glTF files, the images of which textures are read. Of the others only the size is, and they are white where they are looked up.
     pub textures: TextureNeeds,
@@ -323,6 +324,7 @@ fn load_bytes(
     };
     read.scene.files.insert(0, file.to_owned());
     if !options.keeps_copies && !options.geometry_only {
+        weld::join_vertices(&mut read.scene, file);
         same::share_meshes(&mut read.scene, file);
     }
     Ok(read)

@@ -302,6 +302,11 @@ impl Film {
         tiles.map(|t| t.adaptive.open_pixels(&t.rect)).sum()
     }
 
+    /// The tiles, each for the next thread that is free: some take many times as long as others, and shares of equal numbers would leave all threads but one idle in the end.
+    pub(super) fn tiles_apart(&mut self) -> impl IndexedParallelIterator<Item = &mut Tile> {
+        self.tiles.par_iter_mut().with_max_len(1)
+    }
+
     /// A value of every pixel of the window, row by row from the top. Rows of tiles are worked on in parallel.
     pub fn map<T: Clone + Default + Send>(&self, value: impl Fn(&Pixel) -> T + Sync) -> Vec<T> {
         let width = self.window.width as usize;

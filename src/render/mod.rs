@@ -137,7 +137,7 @@ pub fn render(
     };
     if options.wants_layers {
         // These rays are none of the samples', and are counted nowhere.
-        film.tiles.par_iter_mut().for_each(|tile| {
+        film.tiles_apart().for_each(|tile| {
             let mut tracer = Tracer::new(stage.accelerator, false);
             tile.first_hits = vec![None; tile.sums.len()];
             tile.layers = vec![LayerSum::default(); tile.sums.len()];
@@ -173,7 +173,7 @@ pub fn render(
         }
         let end = done + pass.max(1);
         owed += film.open_pixels() * u64::from(end - done);
-        film.tiles.par_iter_mut().for_each(|tile| {
+        film.tiles_apart().for_each(|tile| {
             let mut tracer = Tracer::new(stage.accelerator, options.counts_cost);
             tracer.covered = options.wants_layers.then(Vec::new);
             let mut together = Together::default();

@@ -171,15 +171,50 @@ impl TriangleMesh {
             a.len() == b.len() && a.iter().zip(b).all(|(a, b)| bits(a) == bits(b))
         }
         let (a, b) = (&self.uv_sets, &other.uv_sets);
-        self.triangles == other.triangles
+        // Positions first: those of different meshes differ soon, triangles that were made the same way nowhere.
+        same(&self.positions, &other.positions)
+            && self.triangles == other.triangles
             && self.parts == other.parts
             && self.outlines == other.outlines
-            && same(&self.positions, &other.positions)
             && same(&self.normals, &other.normals)
             && same(&self.tangents, &other.tangents)
             && same(&self.colors, &other.colors)
             && a.len() == b.len()
             && a.iter().zip(b).all(|(a, b)| same(a, b))
+    }
+
+    /// The bits of all numbers of a vertex: of its position and its attributes. Vertices of the same mesh that have the same are one.
+    pub(crate) fn vertex_bits(&self, vertex: usize) -> impl Iterator<Item = u32> + '_ {
+        let normal = self.normals.get(vertex).map(Vec3::to_array);
+        let tangent = self.tangents.get(vertex).map(Vec4::to_array);
+        let color = self.colors.get(vertex).map(Vec4::to_array);
+        let sets = self.uv_sets.iter().filter_map(move |set| set.get(vertex));
+        let position = self.positions[vertex].to_array().into_iter();
+        let numbers = position
+            .chain(normal.into_iter().flatten())
+            .chain(tangent.into_iter().flatten())
+            .chain(color.into_iter().flatten())
+            .chain(sets.flat_map(Vec2::to_array));
+        numbers.map(f32::to_bits)
+    }
+
+    /// A mesh of the same name with these vertices, in this order, and no triangles.
+    pub(crate) fn with_vertices(&self, vertices: &[u32]) -> Self {
+        fn of<T: Copy>(values: &[T], vertices: &[u32]) -> Vec<T> {
+            match values {
+                [] => Vec::new(),
+                values => vertices.iter().map(|&v| values[v as usize]).collect(),
+            }
+        }
+        Self {
+            name: self.name.clone(),
+            positions: of(&self.positions, vertices),
+            normals: of(&self.normals, vertices),
+            tangents: of(&self.tangents, vertices),
+            uv_sets: self.uv_sets.iter().map(|set| of(set, vertices)).collect(),
+            colors: of(&self.colors, vertices),
+            ..Self::default()
+        }
     }
 
     /// The scene's material of a triangle.

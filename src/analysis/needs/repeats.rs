@@ -45,34 +45,8 @@ impl Repeats {
 
 impl MeshRepeats {
     fn of(mesh: &TriangleMesh) -> Self {
-        let bits = |p: &[f32]| p.iter().map(|x| x.to_bits()).collect::<Vec<_>>();
         let position = |v: u32| mesh.positions[v as usize].to_array().map(f32::to_bits);
-        let vertex = |v: usize| {
-            let mut all = bits(&mesh.positions[v].to_array());
-            let mut add = |values: Option<&[f32]>| all.extend(values.iter().flat_map(|v| bits(v)));
-            add(mesh
-                .normals
-                .get(v)
-                .map(|n| n.as_ref() as &[f32; 3])
-                .map(|n| &n[..]));
-            add(mesh
-                .tangents
-                .get(v)
-                .map(|t| t.as_ref() as &[f32; 4])
-                .map(|t| &t[..]));
-            add(mesh
-                .colors
-                .get(v)
-                .map(|c| c.as_ref() as &[f32; 4])
-                .map(|c| &c[..]));
-            for set in &mesh.uv_sets {
-                add(set
-                    .get(v)
-                    .map(|uv| uv.as_ref() as &[f32; 2])
-                    .map(|uv| &uv[..]));
-            }
-            all
-        };
+        let vertex = |v: usize| mesh.vertex_bits(v).collect::<Vec<u32>>();
         let corners = |t: &[u32; 3]| {
             let mut corners = t.map(position);
             corners.sort_unstable();

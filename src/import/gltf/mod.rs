@@ -138,6 +138,7 @@ fn read_meshes(
     let default_material = document.root.materials.len() as u32;
     let read: Vec<Result<MeshRead, ImportError>> = shapes
         .par_iter()
+        .with_max_len(1)
         .map(|shape| mesh::read(document, shape, variant, default_material, drops_broken))
         .collect();
     let mut places = Vec::with_capacity(shapes.len());

@@ -158,10 +158,13 @@ impl Choices {
             Some(Err(_)) => false,
         });
         let images: Vec<(usize, bool)> = is_shown_of.into_iter().collect();
-        let read = images.par_iter().map(|&(image, is_shown)| match is_shown {
-            true => read_image(document, image),
-            false => find_image(document, image),
-        });
+        let read = images
+            .par_iter()
+            .with_max_len(1)
+            .map(|&(image, is_shown)| match is_shown {
+                true => read_image(document, image),
+                false => find_image(document, image),
+            });
         let read: Vec<Result<Image, String>> = read.collect();
         for (&(image, _), read) in images.iter().zip(read) {
             self.read[image] = Some(read);

@@ -71,7 +71,7 @@ pub(super) fn of(mesh: &TriangleMesh) -> Vec<(usize, Piece)> {
             pieces.extend(lists.map(|list| (index, Which::List(list))));
         }
     }
-    let pieces = pieces.into_par_iter();
+    let pieces = pieces.into_par_iter().with_max_len(1);
     pieces
         .map(|(part, which)| (part, Piece::new(mesh, which)))
         .collect()

@@ -1,6 +1,7 @@
 //! Which levels of a mesh are asked for, and the meshes that they become.
 
 use std::collections::BTreeMap;
+use std::sync::Mutex;
 
 use rayon::prelude::*;
 
@@ -89,7 +90,7 @@ pub(super) fn of_several(
         })
     };
     let octaves: Vec<Vec<(usize, f64)>> = octaves.into_values().collect();
-    let found: Vec<Option<Level>> = octaves.par_iter().map(level).collect();
+    let found: Vec<Option<Level>> = octaves.par_iter().with_max_len(1).map(level).collect();
     let mut levels = Vec::new();
     let mut others = Vec::new();
     for (members, level) in octaves.iter().zip(found) {
@@ -111,21 +112,26 @@ fn coarser(
     allowed: impl Fn(&Piece) -> f64 + Sync,
 ) -> Option<(TriangleMesh, f64)> {
     let pieces = chunks::of(mesh);
-    let simplified: Vec<Option<(Coarse, f64)>> = pieces
-        .par_iter()
-        .map_init(
-            || Names::new(mesh),
-            |names, (part, piece)| {
-                if protected[mesh.parts[*part].material as usize] {
-                    return None;
-                }
-                let allowed = allowed(piece);
-                let coarse = simplify(mesh, piece, allowed, names)?;
-                let share = coarse.deviation / allowed;
-                Some((coarse, share))
-            },
-        )
-        .collect();
+    // As many as threads work at it.
+    let rooms = Mutex::new(Vec::new());
+    let coarsest = |(part, piece): &(usize, Piece)| {
+        if protected[mesh.parts[*part].material as usize] {
+            return None;
+        }
+        let allowed = allowed(piece);
+        let room = rooms.lock().ok().and_then(|mut rooms| rooms.pop());
+        let mut names = room.unwrap_or_else(|| Names::new(mesh));
+        let coarse = simplify(mesh, piece, allowed, &mut names);
+        if let Ok(mut rooms) = rooms.lock() {
+            rooms.push(names);
+        }
+        coarse.map(|coarse| {
+            let share = coarse.deviation / allowed;
+            (coarse, share)
+        })
+    };
+    let simplified: Vec<Option<(Coarse, f64)>> =
+        pieces.par_iter().with_max_len(1).map(coarsest).collect();
     let mut parts: Vec<Part> = mesh
         .parts
         .iter()
@@ -171,25 +177,13 @@ fn with_triangles(
         let name = &mut new_names[*vertex as usize];
         if *name == UNUSED {
             *name = used.len() as u32;
-            used.push(*vertex as usize);
+            used.push(*vertex);
         }
         *vertex = *name;
     }
-    fn some<T: Copy>(values: &[T], used: &[usize]) -> Vec<T> {
-        match values {
-            [] => Vec::new(),
-            values => used.iter().map(|&v| values[v]).collect(),
-        }
-    }
     TriangleMesh {
-        name: mesh.name.clone(),
-        positions: some(&mesh.positions, &used),
-        normals: some(&mesh.normals, &used),
-        tangents: some(&mesh.tangents, &used),
-        uv_sets: mesh.uv_sets.iter().map(|set| some(set, &used)).collect(),
-        colors: some(&mesh.colors, &used),
         triangles,
         parts,
-        outlines: Vec::new(),
+        ..mesh.with_vertices(&used)
     }
 }

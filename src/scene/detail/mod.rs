@@ -95,7 +95,7 @@ impl Scene {
         }
         let instances = &self.instances;
         let meshes = std::mem::take(&mut self.meshes);
-        let work = meshes.into_par_iter().zip(&shown_by);
+        let work = meshes.into_par_iter().with_max_len(1).zip(&shown_by);
         let levels: Vec<Vec<Level>> = work
             .map(|(mesh, shown_by)| {
                 let is_small = mesh.triangles.len() < LEAST_TRIANGLES;
