@@ -79,7 +79,10 @@ fn report(scene: &Scene, models: &[PathBuf]) -> Value {
     let instances = scene
         .instances
         .iter()
-        .map(|i| json!({ "name": i.name, "mesh": i.mesh }));
+        .map(|i| match i.materials.as_slice() {
+            [] => json!({ "name": i.name, "mesh": i.mesh }),
+            own => json!({ "name": i.name, "mesh": i.mesh, "materials": own }),
+        });
     let images = scene.images.iter().map(|image| {
         json!({ "name": image.name, "size": [image.width, image.height], "decoded": image.pixels.is_some() })
     });

@@ -1,14 +1,14 @@
 //! Meshes that a file holds several times are stored once, and placed as often as before.
 //!
-//! Many programs write a copy of the mesh for every object that shows it. What is the same is found by content, bit for bit: positions, attributes, triangles and materials;
-//! copies that were moved within their own space, or have other materials, stay. Instances keep their numbers, names and triangles. As every mesh that is placed several times,
+//! Many programs write a copy of the mesh for every object that shows it, and formats whose materials belong to meshes ask for one for every material. What is the same is found by content, bit for bit: positions,
+//! attributes and triangles; copies that were moved within their own space stay. Instances keep their numbers, names, triangles and materials. As every mesh that is placed several times,
 //! what is shared is tested in its own space from then on, so that distances differ in their last bits from those to copies, which are tested in the world's.
 
 use std::collections::HashMap;
 use std::path::Path;
 
 use super::line::one_line;
-use crate::scene::{Note, Scene};
+use crate::scene::{Note, Part, Scene, TriangleMesh};
 
 /// Triangles from which on a mesh is shared: rays pass an instance's box and are taken to its space before they meet its tree, which costs more than a small part of a
 /// larger tree, and a small mesh saves little.
@@ -22,7 +22,10 @@ pub(super) fn share_meshes(scene: &mut Scene, file: &Path) {
         let alike = (mesh.positions.len(), mesh.triangles.len());
         let candidates = firsts.entry(alike).or_default();
         let same = |&&first: &&usize| {
-            mesh.triangles.len() >= LEAST_SHARED && scene.meshes[first].has_content_of(mesh)
+            let first = &scene.meshes[first];
+            mesh.triangles.len() >= LEAST_SHARED
+                && first.has_shape_of(mesh)
+                && has_tangents_of(scene, first, mesh)
         };
         let first = candidates.iter().find(same).copied();
         if first.is_none() {
@@ -54,7 +57,12 @@ pub(super) fn share_meshes(scene: &mut Scene, file: &Path) {
         kept += u32::from(!is_copy(number));
     }
     for instance in &mut scene.instances {
-        instance.mesh = new_number[place_of[instance.mesh as usize]];
+        let first = place_of[instance.mesh as usize];
+        let [shown, own] = [first, instance.mesh as usize].map(|m| &scene.meshes[m].parts);
+        if shown != own {
+            instance.materials = own.iter().map(|part| part.material).collect();
+        }
+        instance.mesh = new_number[first];
     }
     let mut number = 0;
     scene.meshes.retain(|_| {
@@ -63,10 +71,17 @@ pub(super) fn share_meshes(scene: &mut Scene, file: &Path) {
     });
 }
 
+/// Whether the materials of two meshes with the same parts want tangents along the same texture coordinates.
+fn has_tangents_of(scene: &Scene, mesh: &TriangleMesh, other: &TriangleMesh) -> bool {
+    let set = |part: &Part| scene.materials[part.material as usize].normal_uv_set();
+    let mut parts = mesh.parts.iter().zip(&other.parts);
+    parts.all(|(a, b)| a.material == b.material || set(a) == set(b))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::{Instance, Part, TriangleMesh};
+    use crate::scene::{Instance, Material, Texture, TextureRef};
     use glam::{DAffine3, Vec3};
 
     fn mesh(name: &str, triangles: u32, bend: f32) -> TriangleMesh {
@@ -88,6 +103,8 @@ mod tests {
     fn copies_go_and_instances_find_the_first_of_them() {
         let mut other = mesh("other material", 1200, 1.0);
         other.parts[0].material = 1;
+        let mut bumpy = mesh("bumpy", 1200, 1.0);
+        bumpy.parts[0].material = 2;
         let names = [
             "small",
             "large",
@@ -97,6 +114,7 @@ mod tests {
             "",
             "copy 2",
             "last",
+            "bumpy",
         ];
         let meshes = [
             mesh(names[0], 10, 1.0),
@@ -107,31 +125,33 @@ mod tests {
             other,
             mesh(names[6], 1200, 1.0),
             mesh(names[7], 5, 3.0),
+            bumpy,
         ];
         let place = |i: u32| Instance::new(names[i as usize], i, DAffine3::IDENTITY);
+        let mut materials = vec![Material::default(); 3];
+        materials[2].normal_texture = Some(TextureRef::default());
         let mut scene = Scene {
             meshes: meshes.to_vec(),
-            instances: (0..8).rev().map(place).collect(),
+            instances: (0..9).rev().map(place).collect(),
+            materials,
+            textures: vec![Texture::default()],
             ..Scene::default()
         };
         share_meshes(&mut scene, Path::new("a.glb"));
         let kept: Vec<&str> = scene.meshes.iter().map(|m| &*m.name).collect();
         assert_eq!(
             kept,
-            [
-                "small",
-                "large",
-                "small copy",
-                "bent",
-                "other material",
-                "last"
-            ]
+            ["small", "large", "small copy", "bent", "last", "bumpy"]
         );
         let of: Vec<u32> = scene.instances.iter().rev().map(|i| i.mesh).collect();
-        assert_eq!(of, [0, 1, 2, 3, 1, 4, 1, 5]);
+        assert_eq!(of, [0, 1, 2, 3, 1, 1, 1, 4, 5]);
+        let shown: Vec<u32> = (0..9).rev().map(|i| scene.material_of(i, 4)).collect();
+        assert_eq!(shown, [0, 0, 0, 0, 0, 1, 0, 0, 2]);
+        let own = scene.instances.iter().filter(|i| !i.materials.is_empty());
+        assert_eq!(own.count(), 1, "the others show those of the mesh");
         let notes: Vec<String> = scene.notes.iter().map(ToString::to_string).collect();
         let words =
-            "a.glb: mesh \"large\": has 2 copies in the file: stored once and placed for each";
+            "a.glb: mesh \"large\": has 3 copies in the file: stored once and placed for each";
         assert_eq!(notes, [words]);
     }
 }

@@ -30,7 +30,7 @@ impl StagedFacet {
         let points = corners.map(|v| instance.world_point(mesh.positions[v]));
         let triangle = Triangle::new(points[0], points[1], points[2]);
         let facet = Facet::new(triangle);
-        let material = mesh.material_of(hit.triangle);
+        let material = scene.material_of(hit.instance, hit.triangle);
         let uv_set =
             (mesh.uv_sets.first()).filter(|_| stage.materials[material as usize].is_textured);
         let density = |set: &Vec<Vec2>| {

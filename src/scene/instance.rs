@@ -16,6 +16,8 @@ pub struct Instance {
     /// The placement. Composed in double precision along the file's hierarchy; points are rounded once, after it.
     /// It may mirror (negative determinant) and may be singular (a mesh squashed flat).
     pub world_from_object: DAffine3,
+    /// The materials that this instance shows the mesh's parts with: empty for those of the parts themselves, or one a part.
+    pub materials: Vec<u32>,
 }
 
 impl Instance {
@@ -25,6 +27,7 @@ impl Instance {
             name: name.into(),
             mesh,
             world_from_object,
+            materials: Vec::new(),
         }
     }
 

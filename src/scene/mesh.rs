@@ -166,15 +166,21 @@ impl TriangleMesh {
 
     /// Whether all is the same but the name, bit for bit.
     pub fn has_content_of(&self, other: &Self) -> bool {
+        self.parts == other.parts && self.has_shape_of(other)
+    }
+
+    /// Whether all is the same but the name and the materials of the parts, bit for bit.
+    pub fn has_shape_of(&self, other: &Self) -> bool {
         fn same<const N: usize, T: AsRef<[f32; N]>>(a: &[T], b: &[T]) -> bool {
             let bits = |v: &T| v.as_ref().map(f32::to_bits);
             a.len() == b.len() && a.iter().zip(b).all(|(a, b)| bits(a) == bits(b))
         }
         let (a, b) = (&self.uv_sets, &other.uv_sets);
         // Positions first: those of different meshes differ soon, triangles that were made the same way nowhere.
+        let runs = |parts: &[Part]| parts.iter().map(|p| p.triangle_count).collect::<Vec<_>>();
         same(&self.positions, &other.positions)
             && self.triangles == other.triangles
-            && self.parts == other.parts
+            && runs(&self.parts) == runs(&other.parts)
             && self.outlines == other.outlines
             && same(&self.normals, &other.normals)
             && same(&self.tangents, &other.tangents)
@@ -217,10 +223,14 @@ impl TriangleMesh {
         }
     }
 
-    /// The scene's material of a triangle.
+    /// The number of the part that has a triangle.
+    pub fn part_of(&self, triangle: u32) -> usize {
+        self.parts.partition_point(|p| p.first_triangle <= triangle) - 1
+    }
+
+    /// The scene's material of a triangle, where an instance has none of its own.
     pub fn material_of(&self, triangle: u32) -> u32 {
-        let behind = self.parts.partition_point(|p| p.first_triangle <= triangle);
-        self.parts[behind - 1].material
+        self.parts[self.part_of(triangle)].material
     }
 
     /// Leaves out the triangles for which `keep` is false, and mends parts and outlines. Outlines that lose a triangle go.

@@ -71,7 +71,10 @@ impl Scene {
         for m in &mut other.meshes {
             m.parts.iter_mut().for_each(|p| p.material += material);
         }
-        other.instances.iter_mut().for_each(|i| i.mesh += mesh);
+        for instance in &mut other.instances {
+            instance.mesh += mesh;
+            instance.materials.iter_mut().for_each(|m| *m += material);
+        }
         for m in &mut other.materials {
             m.texture_refs_mut().for_each(|t| t.texture += texture);
         }
@@ -95,15 +98,30 @@ impl Scene {
 
     /// The material of a triangle of an instance.
     pub fn material_of(&self, instance: u32, triangle: u32) -> u32 {
-        self.mesh_of(instance).material_of(triangle)
+        let mesh = self.mesh_of(instance);
+        let own = &self.instances[instance as usize].materials;
+        if own.is_empty() {
+            return mesh.material_of(triangle);
+        }
+        own[mesh.part_of(triangle)]
+    }
+
+    /// The parts of an instance's mesh, with the materials that the instance shows.
+    pub fn parts_of<'s>(&'s self, instance: &'s Instance) -> impl Iterator<Item = Part> + 's {
+        let parts = self.meshes[instance.mesh as usize].parts.iter();
+        parts.enumerate().map(|(number, part)| Part {
+            material: instance
+                .materials
+                .get(number)
+                .copied()
+                .unwrap_or(part.material),
+            ..*part
+        })
     }
 
     /// Whether a material in use emits light evenly, not through a texture.
     pub fn has_constant_emission(&self) -> bool {
-        let mut used = self
-            .instances
-            .iter()
-            .flat_map(|i| &self.meshes[i.mesh as usize].parts);
+        let mut used = self.instances.iter().flat_map(|i| self.parts_of(i));
         used.any(|part| {
             let material = &self.materials[part.material as usize];
             material.emissive != glam::Vec3::ZERO && material.emissive_texture.is_none()

@@ -91,14 +91,15 @@ impl Used {
         instances.map(|i| i.load(Ordering::Relaxed)).collect()
     }
 
-    /// For each material of the scene, whether a triangle that has it was hit.
+    /// For each material of the scene, whether an instance was hit that has it, and a triangle that this shows with it, if only elsewhere.
     pub fn materials(&self, scene: &Scene) -> Vec<bool> {
         let mut materials = vec![false; scene.materials.len()];
-        for (number, mesh) in scene.meshes.iter().enumerate() {
-            for part in &mesh.parts {
+        let hit = scene.instances.iter().zip(self.instances());
+        for instance in hit.filter(|(_, is_hit)| *is_hit).map(|(i, _)| i) {
+            for part in scene.parts_of(instance) {
                 let mut triangles = part.first_triangle..part.first_triangle + part.triangle_count;
                 if let Some(material) = materials.get_mut(part.material as usize) {
-                    *material |= triangles.any(|t| self.is_used(number as u32, t));
+                    *material |= triangles.any(|t| self.is_used(instance.mesh, t));
                 }
             }
         }

@@ -164,7 +164,7 @@ fn find(scene: &Scene, staged: &[StagedInstance]) -> (Vec<Emitter>, Vec<Run>) {
     let (mut emitters, mut runs) = (Vec::new(), Vec::new());
     for (index, (instance, staged)) in scene.instances.iter().zip(staged).enumerate() {
         let mesh = &scene.meshes[instance.mesh as usize];
-        for part in &mesh.parts {
+        for part in scene.parts_of(instance) {
             let material = &scene.materials[part.material as usize];
             if material.emissive == Vec3::ZERO || material.unlit {
                 continue;

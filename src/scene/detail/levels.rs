@@ -38,7 +38,7 @@ impl Level {
     }
 }
 
-/// The mesh of a single instance: every piece as coarse as it may be by itself.
+/// The mesh of a single instance: every piece as coarse as it may be by itself. `protected`: the parts that stay as they are.
 pub(super) fn of_one(
     mesh: TriangleMesh,
     (index, instance): (usize, &Instance),
@@ -115,7 +115,7 @@ fn coarser(
     // As many as threads work at it.
     let rooms = Mutex::new(Vec::new());
     let coarsest = |(part, piece): &(usize, Piece)| {
-        if protected[mesh.parts[*part].material as usize] {
+        if protected[*part] {
             return None;
         }
         let allowed = allowed(piece);
@@ -160,7 +160,6 @@ fn coarser(
         part.first_triangle = first;
         first += part.triangle_count;
     }
-    parts.retain(|part| part.triangle_count > 0);
     Some((with_triangles(mesh, triangles, parts), most))
 }
 

@@ -87,7 +87,15 @@ impl Scene {
     /// ```
     #[must_use]
     pub fn simplified(mut self, options: &DetailOptions) -> (Self, DetailReport) {
-        let protected: Vec<bool> = self.materials.iter().map(is_protected).collect();
+        let mut protected: Vec<Vec<bool>> = (self.meshes.iter())
+            .map(|mesh| vec![false; mesh.parts.len()])
+            .collect();
+        for instance in &self.instances {
+            let parts = self.parts_of(instance);
+            for (part, protected) in parts.zip(&mut protected[instance.mesh as usize]) {
+                *protected |= is_protected(&self.materials[part.material as usize]);
+            }
+        }
         let budget = Budget::new(&self, options);
         let mut shown_by = vec![Vec::new(); self.meshes.len()];
         for (index, instance) in self.instances.iter().enumerate() {
@@ -95,9 +103,12 @@ impl Scene {
         }
         let instances = &self.instances;
         let meshes = std::mem::take(&mut self.meshes);
-        let work = meshes.into_par_iter().with_max_len(1).zip(&shown_by);
+        let work = meshes
+            .into_par_iter()
+            .with_max_len(1)
+            .zip(shown_by.par_iter().zip(&protected));
         let levels: Vec<Vec<Level>> = work
-            .map(|(mesh, shown_by)| {
+            .map(|(mesh, (shown_by, protected))| {
                 let is_small = mesh.triangles.len() < LEAST_TRIANGLES;
                 match shown_by.as_slice() {
                     [] => vec![Level::whole(mesh, shown_by)],
@@ -106,9 +117,9 @@ impl Scene {
                         mesh,
                         (one, &instances[one]),
                         &budget,
-                        &protected,
+                        protected,
                     )],
-                    several => levels::of_several(mesh, several, instances, &budget, &protected),
+                    several => levels::of_several(mesh, several, instances, &budget, protected),
                 }
             })
             .collect();
