@@ -170,3 +170,116 @@ fn images_that_a_picture_cannot_show_are_not_read() {
     let (decoded, _, _) = render("id", &["-o", "a.exr"]);
     assert_eq!(decoded, render("albedo", &[]).0);
 }
+
+/// A glTF file of three meshes with the same bumpy sheet of 1,152 triangles: red, shining, and green.
+fn sheets(folder: &std::path::Path) -> String {
+    let side = 25_u16;
+    let mut bytes = Vec::new();
+    for i in 0..side * side {
+        let (x, y) = (f32::from(i % side) / 24.0, f32::from(i / side) / 24.0);
+        let bump = (x * 9.0 + y * 5.0) % 1.0;
+        [x - 0.5, y - 0.5, 0.05 * bump]
+            .iter()
+            .for_each(|c| bytes.extend(c.to_le_bytes()));
+    }
+    let positions = bytes.len();
+    for i in 0..24 * 24 {
+        let v = i % 24 + i / 24 * side;
+        [v, v + 1, v + side, v + 1, v + 1 + side, v + side]
+            .iter()
+            .for_each(|c| bytes.extend(c.to_le_bytes()));
+    }
+    std::fs::write(folder.join("sheets.bin"), &bytes).unwrap();
+    let mesh = |material: u32| serde_json::json!({ "primitives": [{ "attributes": { "POSITION": 0 }, "indices": 1, "material": material }] });
+    let node = |mesh: u32| serde_json::json!({ "mesh": mesh, "translation": [1.2 * f64::from(mesh), 0.0, 0.0] });
+    let plain = |color: [f32; 4]| serde_json::json!({ "pbrMetallicRoughness": { "baseColorFactor": color, "metallicFactor": 0.0 } });
+    let document = serde_json::json!({
+        "asset": { "version": "2.0" },
+        "scenes": [{ "nodes": [0, 1, 2] }],
+        "nodes": [node(0), node(1), node(2)],
+        "meshes": [mesh(0), mesh(1), mesh(2)],
+        "materials": [
+            plain([1.0, 0.0, 0.0, 1.0]),
+            { "emissiveFactor": [1.0, 1.0, 1.0] },
+            plain([0.0, 1.0, 0.0, 1.0]),
+        ],
+        "buffers": [{ "uri": "sheets.bin", "byteLength": bytes.len() }],
+        "bufferViews": [
+            { "buffer": 0, "byteLength": positions },
+            { "buffer": 0, "byteOffset": positions, "byteLength": bytes.len() - positions },
+        ],
+        "accessors": [
+            { "bufferView": 0, "componentType": 5126, "count": side * side, "type": "VEC3", "min": [-0.5, -0.5, 0.0], "max": [0.5, 0.5, 0.05] },
+            { "bufferView": 1, "componentType": 5123, "count": 24 * 24 * 6, "type": "SCALAR" },
+        ],
+    });
+    let file = folder.join("sheets.gltf");
+    std::fs::write(&file, document.to_string()).unwrap();
+    file.to_str().unwrap().to_owned()
+}
+
+#[test]
+fn copies_of_a_mesh_share_it_and_show_their_own_materials() {
+    let folder = tempfile::tempdir().unwrap();
+    let model = sheets(folder.path());
+    let inspected = json(&["inspect", &model, "--json"]);
+    assert_eq!(
+        inspected["meshes"].as_array().unwrap().len(),
+        1,
+        "{inspected}"
+    );
+    let own: Vec<&Value> = (0..3)
+        .map(|i| &inspected["instances"][i]["materials"])
+        .collect();
+    assert_eq!(
+        own,
+        [
+            &Value::Null,
+            &serde_json::json!([1]),
+            &serde_json::json!([2])
+        ]
+    );
+    let args = [
+        "render",
+        &model,
+        "--resolution=96x32",
+        "--spp=64",
+        "-q",
+        "-o",
+    ];
+    for (name, more) in [
+        ("shared.exr", &[][..]),
+        ("whole.exr", &["--exhaustive"]),
+        ("coarse.exr", &["--lod=0.3"]),
+    ] {
+        let ran = bspray(folder.path(), &[&args[..], &[name], more].concat());
+        assert_eq!(ran.code, Some(0), "{ran:?}");
+    }
+    // The light of the second falls on its neighbours.
+    for (name, most) in [("shared.exr", 1e-3), ("coarse.exr", 0.02)] {
+        let found = json(&[
+            "diff",
+            &folder.path().join(name).to_string_lossy(),
+            &folder.path().join("whole.exr").to_string_lossy(),
+            "--only=R,G,B",
+            "--json",
+            "--warn=inf",
+            "--fail=inf",
+        ]);
+        let flip = found["color"]["flip"].as_f64().unwrap();
+        assert!(flip < most, "{name}: {flip}");
+    }
+    // Each is what it was.
+    for (x, name) in [(20, 0), (48, 1), (76, 2)] {
+        let pixel = format!("--pixel={x},16");
+        let found = json(&[
+            "render",
+            &model,
+            "--resolution=96x32",
+            "--spp=1",
+            "--json",
+            &pixel,
+        ]);
+        assert_eq!(found["center"][0]["hit"]["material"], name, "{found}");
+    }
+}
