@@ -224,10 +224,8 @@ impl Studio<'_> {
         let time = if self.args.savings.exhaustive || self.options.integrator.shows_steps() {
             BuildTime::Ahead
         } else {
-            let [_, _, _, eye] = view.camera.world_from_camera();
-            let is_within = self.scene.bounds().contains(eye.as_vec3());
-            let in_frame = self.scene.share_in_frame(&view.camera, self.options.size);
-            BuildTime::for_rays(rays, triangles, !is_within && in_frame > 0.5)
+            let is_whole = self.scene.is_seen_whole(&view.camera, self.options.size);
+            BuildTime::for_rays(rays, triangles, is_whole)
         };
         let options = self.args.bsp.options_for(self.args.seed, quality, time);
         let options = BuildOptions {

@@ -45,6 +45,12 @@ fn points_have_numbers_and_commands_that_make_them_again() {
     assert_eq!(pictures[7]["method"], "bsp, lod 3");
     // Meshes simplified by pixels make another picture.
     assert_ne!(pictures[1]["relMSE"], pictures[7]["relMSE"]);
+    let simplified = &rows("simplified")[0];
+    let number = |name: &str| simplified[name].as_f64().unwrap();
+    assert!(number("kept") < number("triangles") && number("error (pixels)") <= 3.0);
+    assert!(number("pixels in both") > 10.0);
+    let greatest = number("depth error, greatest");
+    assert!(0.0 < number("depth error, rms") && number("depth error, rms") < greatest);
     // Exact structures make the same picture; more samples are nearer to the reference.
     assert_eq!(pictures[0]["relMSE"], pictures[2]["relMSE"]);
     let error = |row: usize| pictures[row]["RMSE"].as_f64().unwrap();

@@ -4,11 +4,13 @@
 //! [pictures](PicturePoint): time to a picture against its distance from a converged one.
 
 mod aimed;
+mod coarse;
 mod course;
 mod method;
 mod pictures;
 mod rays;
 
+pub use coarse::CoarseScene;
 use course::Course;
 pub use course::Doing;
 pub use method::ChartMethod;

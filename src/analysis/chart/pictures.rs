@@ -6,6 +6,7 @@ use std::time::Instant;
 use glam::Vec3;
 
 use super::ChartOptions;
+use super::coarse::CoarseScene;
 use super::course::{Course, Doing};
 use super::method::ChartMethod;
 use crate::accel::EmbreeError;
@@ -46,6 +47,8 @@ pub struct PicturePoints {
     pub reference_samples: u32,
     /// The reference, in linear light.
     pub reference: Vec<Vec3>,
+    /// What simplifying by each budget leaves.
+    pub coarse: Vec<CoarseScene>,
 }
 
 impl PicturePoint {
@@ -115,6 +118,7 @@ impl PicturePoints {
             points,
             reference_samples,
             reference,
+            coarse: CoarseScene::of_budgets(scene, options),
         })
     }
 }

@@ -79,6 +79,14 @@ impl ChartPage<'_> {
             }));
         }
         page.push(Section::Table(self.picture_table()));
+        if !pictures.coarse.is_empty() {
+            page.push(Section::Paragraph(
+                "What simplifying leaves of the meshes, how far any of their vertices is from the surface that stands for it, and how far depths are from those of the whole scene, \
+                in shares of these, along rays through the pixels' middles. Pixels at outlines may see a surface in one of both alone."
+                    .to_owned(),
+            ));
+            page.push(Section::Table(self.coarse_table()));
+        }
         page.push(Section::Picture(self.reference()));
     }
 
@@ -97,6 +105,33 @@ impl ChartPage<'_> {
             ),
             raster: Raster::from_rgba(width, height, &pixels),
         }
+    }
+
+    fn coarse_table(&self) -> Table {
+        let heads = [
+            "lod (pixels)",
+            "triangles",
+            "kept",
+            "error (pixels)",
+            "depth error, rms",
+            "depth error, greatest",
+            "pixels in both",
+            "pixels in one",
+        ];
+        let mut table = Table::new("simplified", "Simplified meshes", &heads);
+        for c in &self.points.pictures.coarse {
+            table.push(vec![
+                f64::from(c.budget).into(),
+                c.detail.triangles().into(),
+                c.detail.kept().into(),
+                c.detail.error().into(),
+                c.depth.rms.into(),
+                c.depth.greatest.into(),
+                c.in_both.into(),
+                c.in_one.into(),
+            ]);
+        }
+        table
     }
 
     fn picture_table(&self) -> Table {

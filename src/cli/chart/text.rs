@@ -57,6 +57,26 @@ impl ChartPage<'_> {
                 p.flip,
             );
         }
+        let coarse = &self.points.pictures.coarse;
+        if !coarse.is_empty() {
+            let _ = writeln!(
+                out,
+                "\n{:<22}{:>12}{:>12}{:>14}{:>14}{:>12}",
+                "simplified", "triangles", "kept", "error pixels", "depth error", "in one"
+            );
+        }
+        for c in coarse {
+            let _ = writeln!(
+                out,
+                "{:<22}{:>12}{:>12}{:>14.3}{:>14}{:>12}",
+                format!("lod {}", c.budget),
+                c.detail.triangles(),
+                c.detail.kept(),
+                c.detail.error(),
+                share(c.depth.rms),
+                c.in_one,
+            );
+        }
         let _ = write!(out, "\n{verdict}");
         out
     }

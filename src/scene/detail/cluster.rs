@@ -149,7 +149,7 @@ impl Clusters {
                 continue;
             }
             self.triangles.push(to);
-            if self.is_fold(positions, to) {
+            if from != to && self.is_fold(positions, to) {
                 self.folds.push(to);
             }
         }

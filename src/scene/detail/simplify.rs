@@ -131,7 +131,8 @@ impl Local {
                 break;
             }
             let mut apart = self.marked(&clusters, &deviation.far);
-            if division > DIVISIONS {
+            let is_last = division > DIVISIONS;
+            if is_last {
                 // And all around, so that no triangle of theirs is lost.
                 spread(&mut apart, &clusters.all(patch));
             }
@@ -140,7 +141,6 @@ impl Local {
                 let corners = near[v as usize];
                 corners == NOWHERE || corners.iter().any(|&c| apart[c as usize])
             }));
-            let is_last = division > DIVISIONS;
             cell = if is_last { 0.0 } else { cell * DIVISION };
             let has_changed = clusters.divide(patch, cell, |v| apart[v as usize]);
             if is_last && !has_changed {
