@@ -12,6 +12,9 @@ use rayon::prelude::*;
 use super::line::one_line;
 use crate::scene::{Note, Scene, TriangleMesh};
 
+/// Triangles from which on vertices are joined: a small mesh saves little.
+const LEAST_TRIANGLES: usize = 1000;
+
 /// Vertices a triangle from which on some are likely to be the same: a surface with indices has about half as many as triangles.
 const LEAST_VERTICES: usize = 2;
 
@@ -40,7 +43,8 @@ pub(super) fn join_vertices(scene: &mut Scene, file: &Path) {
 /// Joins the vertices of a mesh. Gives how many went.
 fn join(mesh: &mut TriangleMesh) -> usize {
     let all = mesh.positions.len();
-    if all < LEAST_VERTICES * mesh.triangles.len() {
+    let triangles = mesh.triangles.len();
+    if triangles < LEAST_TRIANGLES || all < LEAST_VERTICES * triangles {
         return 0;
     }
     let some = all.min(LOOKED_AT);
@@ -106,7 +110,7 @@ mod tests {
     /// A strip of triangles without indices, whose texture coordinates are those of the place, or those of the corner in its triangle.
     fn strip(uv_of_corner: bool) -> TriangleMesh {
         let place = |i: u32| Vec3::new(i as f32, (i % 2) as f32, 0.0);
-        let corners = || (0..400_u32).flat_map(|t| (0..3).map(move |c| (t, c)));
+        let corners = || (0..1200_u32).flat_map(|t| (0..3).map(move |c| (t, c)));
         let uv = |(t, c): (u32, u32)| match uv_of_corner {
             true => Vec2::new(t as f32, c as f32),
             false => Vec2::splat((t + c) as f32),
@@ -115,10 +119,10 @@ mod tests {
             name: "strip".to_owned(),
             positions: corners().map(|(t, c)| place(t + c)).collect(),
             uv_sets: vec![Vec::new(), corners().map(uv).collect()],
-            triangles: (0..400).map(|t| [3 * t, 3 * t + 1, 3 * t + 2]).collect(),
+            triangles: (0..1200).map(|t| [3 * t, 3 * t + 1, 3 * t + 2]).collect(),
             parts: vec![Part {
                 first_triangle: 0,
-                triangle_count: 400,
+                triangle_count: 1200,
                 material: 0,
             }],
             ..TriangleMesh::default()
@@ -133,8 +137,8 @@ mod tests {
         };
         let before = scene.clone();
         join_vertices(&mut scene, Path::new("a.glb"));
-        assert_eq!(scene.meshes[0].positions.len(), 402);
-        assert_eq!(scene.meshes[1].positions.len(), 1200, "no two are the same");
+        assert_eq!(scene.meshes[0].positions.len(), 1202);
+        assert_eq!(scene.meshes[1].positions.len(), 3600, "no two are the same");
         for (mesh, before) in scene.meshes.iter().zip(&before.meshes) {
             assert!(mesh.validate().is_ok() && mesh.parts == before.parts);
             for (t, b) in mesh.triangles.iter().zip(&before.triangles) {
@@ -148,12 +152,15 @@ mod tests {
         }
         let notes: Vec<String> = scene.notes.iter().map(ToString::to_string).collect();
         let words =
-            "a.glb: mesh \"strip\": 798 of 1200 vertices are the same as others: joined with them";
+            "a.glb: mesh \"strip\": 2398 of 3600 vertices are the same as others: joined with them";
         assert_eq!(notes, [words]);
     }
 
     #[test]
-    fn meshes_with_indices_are_left_alone() {
+    fn small_meshes_and_those_with_indices_are_left_alone() {
+        let mut small = strip(false);
+        small.retain_triangles(|t| t < 900);
+        assert_eq!(join(&mut small), 0);
         let mut mesh = strip(false);
         mesh.triangles = mesh.triangles.repeat(2);
         mesh.parts[0].triangle_count *= 2;
