@@ -113,7 +113,7 @@ pub struct ImportOptions {
     pub geometry_only: bool,
     /// Keep meshes and vertices that a file holds several times as they are, instead of one mesh that is placed several times, and one vertex of several triangles.
     pub keeps_copies: bool,
-    /// Of glTF files, the images of which textures are read. Of the others only the size is, and they are white where they are looked up.
+    /// The images of which textures are read. The others are only looked for, and white where they are looked up.
     pub textures: TextureNeeds,
 }
 

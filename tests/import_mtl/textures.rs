@@ -1,5 +1,6 @@
 //! The images that material files name, and what stands in for those that cannot be had.
 
+use bspray::import::{ImportOptions, TextureNeeds};
 use bspray::scene::{AlphaMode, Filter, OpacityChannel, Pixels, Wrap};
 use glam::{Vec2, Vec3, Vec4};
 
@@ -51,6 +52,50 @@ fn textures_are_found_decoded_and_shared() {
     );
     assert_eq!((m.alpha_mode, m.emissive), (AlphaMode::Blend, Vec3::ONE));
     assert_eq!(m.bump.unwrap().scale, 0.3);
+}
+
+#[test]
+fn images_are_read_for_what_shows_them() {
+    let obj = format!("mtllib a.mtl\n{V}usemtl m\nf 1 2 3\nusemtl n\nf 1 3 4\n");
+    // The colour of the first is also the mask of the second, whose own colour has an alpha therefore.
+    let mtl = b"newmtl m\nmap_Kd leaf.png\nmap_Ks shine.png\nmap_Bump bump.png\nnewmtl n\nmap_Kd bark.png\nmap_d leaf.png\n";
+    let read = |textures| {
+        let [leaf, grey] = [png([0, 255, 0, 128]), png([9, 9, 9, 255])];
+        let files: [(&str, &[u8]); 6] = [
+            ("model.obj", obj.as_bytes()),
+            ("a.mtl", mtl),
+            ("leaf.png", &leaf),
+            ("shine.png", &grey),
+            ("bump.png", &grey),
+            ("bark.png", &grey),
+        ];
+        let options = ImportOptions {
+            textures,
+            ..ImportOptions::default()
+        };
+        load_files_with(&files, &options).unwrap()
+    };
+    let all = read(TextureNeeds::All);
+    for (needs, expected) in [
+        (TextureNeeds::Alpha, &["leaf.png", "bark.png"][..]),
+        (TextureNeeds::Normals, &["leaf.png", "bump.png", "bark.png"]),
+        (
+            TextureNeeds::All,
+            &["leaf.png", "shine.png", "bump.png", "bark.png"],
+        ),
+    ] {
+        let scene = read(needs);
+        let images = scene.images.iter().filter(|i| i.pixels.is_some());
+        let names: Vec<&str> = images.map(|i| &*i.name).collect();
+        assert_eq!(names, expected, "{needs:?}");
+        // Materials and the rest are the same.
+        assert_eq!(scene.files.len(), all.files.len());
+        assert_eq!(notes(&scene), notes(&all));
+        for (material, whole) in scene.materials.iter().zip(&all.materials) {
+            assert_eq!(material.opacity, whole.opacity);
+            assert_eq!(material.base_color_texture, whole.base_color_texture);
+        }
+    }
 }
 
 #[test]

@@ -20,7 +20,7 @@
 
 use glam::Vec3;
 
-use super::super::images;
+use super::super::{TextureNeeds, images};
 use super::illumination::{Illumination, is_normal_map};
 use super::mtl::MtlFile;
 use super::reader::MtlMaterial;
@@ -83,8 +83,10 @@ impl Conversion<'_, '_> {
         Some(Vec3::new(next()?, next()?, next()?))
     }
 
-    fn texture(&mut self, statement: Option<&str>) -> Option<TextureRef> {
-        self.textures.find(&Map::parse(statement?), self.mtl)
+    /// The texture of a statement, for pictures that `needed` it.
+    fn texture(&mut self, statement: Option<&str>, needed: TextureNeeds) -> Option<TextureRef> {
+        self.textures
+            .find(&Map::parse(statement?), needed, self.mtl)
     }
 
     /// Whether a statement names an image and this is not to be had.
@@ -99,7 +101,13 @@ impl Conversion<'_, '_> {
 
     fn base_color(&mut self) {
         let statement = self.source.diffuse_texture.as_deref();
-        let texture = self.texture(statement);
+        // Its alpha counts where there is any other.
+        let has_alpha = self.alpha() < 1.0 || self.source.dissolve_texture.is_some();
+        let needed = match has_alpha {
+            true => TextureNeeds::Alpha,
+            false => TextureNeeds::All,
+        };
+        let texture = self.texture(statement, needed);
         if Self::is_lost(statement, texture) {
             images::show_stand_in(&mut self.material, self.textures.stand_in(), 0);
             return self.note(images::STAND_IN_NOTE);
@@ -146,7 +154,7 @@ impl Conversion<'_, '_> {
         if illumination.is_sharp() {
             self.material.roughness = 0.0;
         }
-        let texture = self.texture(source.specular_texture.as_deref());
+        let texture = self.texture(source.specular_texture.as_deref(), TextureNeeds::All);
         let ks = match (color_of(source.specular), illumination) {
             (_, Illumination::Matt) => Some(Vec3::ZERO),
             (Some(Vec3::ZERO), _) if texture.is_some() => Some(Vec3::ONE),
@@ -239,7 +247,8 @@ impl Conversion<'_, '_> {
                 self.note("is wholly transparent (d 0 or Tr 1): nothing of it shows");
             }
         }
-        if let Some(texture) = self.texture(source.dissolve_texture.as_deref()) {
+        if let Some(texture) = self.texture(source.dissolve_texture.as_deref(), TextureNeeds::Alpha)
+        {
             self.material.alpha_mode = AlphaMode::Blend;
             let channel = if self.textures.has_alpha(texture) {
                 OpacityChannel::Alpha
@@ -256,7 +265,7 @@ impl Conversion<'_, '_> {
     fn emission(&mut self) {
         let params = &self.source.unknown_param;
         let statement = params.get("map_Ke").map(String::as_str);
-        let texture = self.texture(statement);
+        let texture = self.texture(statement, TextureNeeds::All);
         if Self::is_lost(statement, texture) {
             // The image says where the material emits: without it, all of it would be a light.
             return;
@@ -286,24 +295,29 @@ impl Conversion<'_, '_> {
         match (map_pr, map_pm) {
             // One image with both: roughness is green and metallic blue by convention.
             (Some(pr), Some(pm)) if pr == pm => {
-                self.material.metallic_roughness_texture = self.texture(Some(pr));
+                self.material.metallic_roughness_texture =
+                    self.texture(Some(pr), TextureNeeds::All);
                 if self.material.metallic_roughness_texture.is_some() {
                     self.material.metallic = self.number("Pm").unwrap_or(1.0).clamp(0.0, 1.0);
                 }
             }
             // A grey image: its blue channel multiplies a metallic of 0.
             (Some(pr), None) if self.material.metallic <= 0.0 => {
-                self.material.metallic_roughness_texture = self.texture(Some(pr));
+                self.material.metallic_roughness_texture =
+                    self.texture(Some(pr), TextureNeeds::All);
             }
             (None, None) => {}
             _ => {
                 self.note("map_Pr and map_Pm are left out; put both in one image (green and blue)")
             }
         }
-        self.material.normal_texture = self.texture(params.get("norm").map(String::as_str));
+        self.material.normal_texture = self.texture(
+            params.get("norm").map(String::as_str),
+            TextureNeeds::Normals,
+        );
         if let Some(statement) = &self.source.normal_texture {
             let map = Map::parse(statement);
-            let Some(texture) = self.textures.find(&map, self.mtl) else {
+            let Some(texture) = self.textures.find(&map, TextureNeeds::Normals, self.mtl) else {
                 return;
             };
             if !is_normal_map(self.textures.mean(texture)) {

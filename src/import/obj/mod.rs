@@ -98,7 +98,7 @@ pub(super) fn load(
         plain,
         names,
         libraries: Libraries::load(&libraries, folder, budget, &mut notes),
-        textures: Textures::new(budget),
+        textures: Textures::new(budget, options.textures),
         of_name: BTreeMap::new(),
         made: Vec::new(),
         missing: Vec::new(),

@@ -6,7 +6,7 @@ use std::path::PathBuf;
 use glam::{Affine2, DVec3, Vec2, Vec3};
 
 use super::super::budget::Budget;
-use super::super::images;
+use super::super::{TextureNeeds, images};
 use super::files::Finder;
 use super::mtl::MtlFile;
 use super::text::before_comment;
@@ -102,6 +102,8 @@ fn numbers<const N: usize>(text: &mut &str, default: [f32; N]) -> [f32; N] {
 /// The scene's images and textures.
 pub(super) struct Textures<'b> {
     budget: &'b Budget,
+    /// What images are read for; the others are only found.
+    needs: TextureNeeds,
     finder: Finder,
     /// Images: one a file.
     pub(super) images: Vec<Image>,
@@ -116,9 +118,10 @@ pub(super) struct Textures<'b> {
 
 impl<'b> Textures<'b> {
     /// No images yet. What they take is taken from `budget`.
-    pub(super) fn new(budget: &'b Budget) -> Self {
+    pub(super) fn new(budget: &'b Budget, needs: TextureNeeds) -> Self {
         Self {
             budget,
+            needs,
             finder: Finder::default(),
             images: Vec::new(),
             textures: Vec::new(),
@@ -136,8 +139,13 @@ impl<'b> Textures<'b> {
         *self.stand_in.get_or_insert_with(make)
     }
 
-    /// The texture that a statement of an MTL file names. `None`, and a note, if the file is not there or cannot be read.
-    pub(super) fn find(&mut self, map: &Map, mtl: &mut MtlFile) -> Option<TextureRef> {
+    /// The texture that a statement of an MTL file names, read if that is what is needed. `None`, and a note, if the file is not there or cannot be read.
+    pub(super) fn find(
+        &mut self,
+        map: &Map,
+        needed: TextureNeeds,
+        mtl: &mut MtlFile,
+    ) -> Option<TextureRef> {
         let candidates = [Some(map.name.as_str()), before_comment(&map.name)];
         let path = candidates
             .into_iter()
@@ -149,7 +157,7 @@ impl<'b> Textures<'b> {
                 .element(element, "is not there; materials do without it");
             return None;
         };
-        let image = match self.image(path, &map.name) {
+        let image = match self.image(path, &map.name, needed <= self.needs) {
             Ok((image, None)) => image,
             Ok((image, Some(mended))) => {
                 mtl.notes.element(&element, &mended);
@@ -189,11 +197,30 @@ impl<'b> Textures<'b> {
         })
     }
 
-    /// The image of a file, with what was mended when it was read for the first time.
-    fn image(&mut self, path: PathBuf, name: &str) -> Result<(u32, Option<String>), String> {
-        if let Some(known) = self.image_of.get(&path) {
-            return known.clone().map(|index| (index, None));
+    /// The image of a file, with pixels if it `is_wanted`, and what was mended when it was read for the first time.
+    fn image(
+        &mut self,
+        path: PathBuf,
+        name: &str,
+        is_wanted: bool,
+    ) -> Result<(u32, Option<String>), String> {
+        let known = self.image_of.get(&path);
+        match known {
+            Some(Ok(index)) if is_wanted && self.images[*index as usize].pixels.is_none() => {}
+            Some(known) => return known.clone().map(|index| (index, None)),
+            None if is_wanted => {}
+            None => {
+                let index = self.images.len() as u32;
+                self.images.push(Image {
+                    name: name.to_owned(),
+                    ..Image::default()
+                });
+                self.files.push(path.clone());
+                self.image_of.insert(path, Ok(index));
+                return Ok((index, None));
+            }
         }
+        let found = known.cloned();
         let element = || format!("texture {name:?}");
         let charge = |bytes| self.budget.charge(bytes, element);
         let length = std::fs::metadata(&path).map_or(0, |m| m.len());
@@ -202,10 +229,20 @@ impl<'b> Textures<'b> {
         let image = bytes.and_then(|bytes| images::decode(name, &bytes, charge));
         let index = image.map(|mut image| {
             let mended = images::mend(&mut image);
-            self.images.push(image);
-            (self.images.len() as u32 - 1, mended)
+            let index = match found {
+                Some(Ok(index)) => index,
+                _ => {
+                    self.images.push(Image::default());
+                    self.files.push(path.clone());
+                    self.images.len() as u32 - 1
+                }
+            };
+            self.images[index as usize] = image;
+            (index, mended)
         });
-        self.files.push(path.clone());
+        if index.is_err() && found.is_none() {
+            self.files.push(path.clone());
+        }
         self.image_of
             .insert(path, index.clone().map(|(index, _)| index));
         index
