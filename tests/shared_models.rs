@@ -9,7 +9,7 @@ use std::path::{Path, PathBuf};
 
 use bspray::accel::extents::{ExtentSet, ExtentsLoop, View};
 use bspray::accel::{Accelerator, AcceleratorKind, BuildOptions};
-use bspray::import;
+use bspray::import::{self, ImportOptions};
 use bspray::render::{
     CameraWishes, Integrator, LightSearch, PixelFilter, PixelRect, RenderOptions, SkyMode, Stage,
     frame_scene, render,
@@ -133,8 +133,17 @@ fn every_model_has_its_triangles_and_renders_or_says_why_not() {
         .par_iter()
         .flat_map_iter(|(file, listed)| {
             let path = folder.join(file);
-            let found = match import::load(std::slice::from_ref(&path)) {
-                Ok(scene) => check_scene(file, &scene, *listed),
+            let files = std::slice::from_ref(&path);
+            // Copies of meshes are in the list as the file has them.
+            let whole = ImportOptions {
+                keeps_copies: true,
+                ..ImportOptions::default()
+            };
+            let found = match import::load(files) {
+                Ok(scene) => {
+                    let whole = import::load_with(files, &whole).expect("it loads");
+                    check_scene(file, &scene, &whole, *listed)
+                }
                 Err(error) => check_error(file, &path, &error.to_string()),
             };
             found
@@ -166,12 +175,12 @@ fn check_error(file: &str, path: &Path, error: &str) -> Vec<String> {
     complaints
 }
 
-fn check_scene(file: &str, scene: &Scene, listed: Listed) -> Vec<String> {
+fn check_scene(file: &str, scene: &Scene, whole: &Scene, listed: Listed) -> Vec<String> {
     let mut complaints = Vec::new();
     if let Some(word) = exception(REFUSED, file) {
         complaints.push(format!("loads, and should not for {word}"));
     }
-    let kept: u64 = scene.meshes.iter().map(|m| m.triangles.len() as u64).sum();
+    let kept: u64 = whole.meshes.iter().map(|m| m.triangles.len() as u64).sum();
     let dropped: u64 = scene.defects.iter().map(|d| d.count).sum();
     let merged = exception(MERGED, file).unwrap_or(0);
     if kept + dropped + merged != listed.triangles {
@@ -185,6 +194,16 @@ fn check_scene(file: &str, scene: &Scene, listed: Listed) -> Vec<String> {
     let want = listed.placed - dropped - merged;
     if placed != want {
         complaints.push(format!("{placed} triangles placed, not {want}"));
+    }
+    // Stored once or not, every instance shows the triangles and the materials that it had.
+    for (index, (instance, was)) in scene.instances.iter().zip(&whole.instances).enumerate() {
+        let materials = |scene: &Scene, instance| -> Vec<(u32, u32)> {
+            let parts = scene.parts_of(instance);
+            parts.map(|p| (p.triangle_count, p.material)).collect()
+        };
+        if materials(scene, instance) != materials(whole, was) {
+            complaints.push(format!("instance {index} shows other materials"));
+        }
     }
     for mesh in &scene.meshes {
         if let Err(error) = mesh.validate() {
