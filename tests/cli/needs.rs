@@ -189,7 +189,7 @@ fn sheets(folder: &std::path::Path) -> String {
             .iter()
             .for_each(|c| bytes.extend(c.to_le_bytes()));
     }
-    std::fs::write(folder.join("sheets.bin"), &bytes).unwrap();
+    std::fs::write(folder.join("sheets.bin"), &bytes).expect("it can be written");
     let mesh = |material: u32| serde_json::json!({ "primitives": [{ "attributes": { "POSITION": 0 }, "indices": 1, "material": material }] });
     let node = |mesh: u32| serde_json::json!({ "mesh": mesh, "translation": [1.2 * f64::from(mesh), 0.0, 0.0] });
     let plain = |color: [f32; 4]| serde_json::json!({ "pbrMetallicRoughness": { "baseColorFactor": color, "metallicFactor": 0.0 } });
@@ -214,8 +214,8 @@ fn sheets(folder: &std::path::Path) -> String {
         ],
     });
     let file = folder.join("sheets.gltf");
-    std::fs::write(&file, document.to_string()).unwrap();
-    file.to_str().unwrap().to_owned()
+    std::fs::write(&file, document.to_string()).expect("it can be written");
+    file.to_str().expect("UTF-8").to_owned()
 }
 
 #[test]
