@@ -1,7 +1,7 @@
 //! The `map_` statements of MTL: options, files, and the scene's images and textures.
 
 use std::collections::HashMap;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use glam::{Affine2, DVec3, Vec2, Vec3};
 
@@ -204,48 +204,46 @@ impl<'b> Textures<'b> {
         name: &str,
         is_wanted: bool,
     ) -> Result<(u32, Option<String>), String> {
-        let known = self.image_of.get(&path);
-        match known {
-            Some(Ok(index)) if is_wanted && self.images[*index as usize].pixels.is_none() => {}
-            Some(known) => return known.clone().map(|index| (index, None)),
-            None if is_wanted => {}
-            None => {
-                let index = self.images.len() as u32;
-                self.images.push(Image {
-                    name: name.to_owned(),
-                    ..Image::default()
-                });
-                self.files.push(path.clone());
-                self.image_of.insert(path, Ok(index));
-                return Ok((index, None));
-            }
+        let found = match self.image_of.get(&path) {
+            Some(Err(cause)) => return Err(cause.clone()),
+            Some(&Ok(index)) => Some(index),
+            None => None,
+        };
+        let has_pixels = |index: u32| self.images[index as usize].pixels.is_some();
+        if let Some(index) = found.filter(|&index| !is_wanted || has_pixels(index)) {
+            return Ok((index, None));
         }
-        let found = known.cloned();
-        let element = || format!("texture {name:?}");
-        let charge = |bytes| self.budget.charge(bytes, element);
-        let length = std::fs::metadata(&path).map_or(0, |m| m.len());
-        let read = || std::fs::read(&path).map_err(|e| e.to_string());
-        let bytes = charge(length).and_then(|()| read());
-        let image = bytes.and_then(|bytes| images::decode(name, &bytes, charge));
-        let index = image.map(|mut image| {
+        let read = match is_wanted {
+            true => self.read(&path, name),
+            false => Ok(Image {
+                name: name.to_owned(),
+                ..Image::default()
+            }),
+        };
+        let index = read.map(|mut image| {
             let mended = images::mend(&mut image);
-            let index = match found {
-                Some(Ok(index)) => index,
-                _ => {
-                    self.images.push(Image::default());
-                    self.files.push(path.clone());
-                    self.images.len() as u32 - 1
-                }
-            };
+            let index = found.unwrap_or_else(|| {
+                self.images.push(Image::default());
+                self.images.len() as u32 - 1
+            });
             self.images[index as usize] = image;
             (index, mended)
         });
-        if index.is_err() && found.is_none() {
+        if found.is_none() {
             self.files.push(path.clone());
         }
         self.image_of
             .insert(path, index.clone().map(|(index, _)| index));
         index
+    }
+
+    fn read(&self, path: &Path, name: &str) -> Result<Image, String> {
+        let element = || format!("texture {name:?}");
+        let charge = |bytes| self.budget.charge(bytes, element);
+        let length = std::fs::metadata(path).map_or(0, |m| m.len());
+        charge(length)?;
+        let bytes = std::fs::read(path).map_err(|e| e.to_string())?;
+        images::decode(name, &bytes, charge)
     }
 
     /// The mean colour of a texture's image, of its numbers as they are: 0 to 1 but for floats. Black without pixels.
