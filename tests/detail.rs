@@ -12,6 +12,19 @@ use glam::{DAffine3, DMat3, DVec3, Vec2, Vec3};
 
 const SIZE: (u32, u32) = (400, 300);
 
+/// A mesh of one part, without its vertices.
+fn of_triangles(triangles: Vec<[u32; 3]>) -> TriangleMesh {
+    TriangleMesh {
+        parts: vec![Part {
+            first_triangle: 0,
+            triangle_count: triangles.len() as u32,
+            material: 0,
+        }],
+        triangles,
+        ..TriangleMesh::default()
+    }
+}
+
 /// A wavy ball of radius about 1, 192 triangles around and 96 down, with normals and texture coordinates: 36,480 triangles.
 fn ball() -> TriangleMesh {
     let (around, down) = (192_u32, 96_u32);
@@ -61,13 +74,7 @@ fn ball() -> TriangleMesh {
                 .map(|(i, j)| Vec2::new(i as f32 / around as f32, j as f32 / down as f32))
                 .collect(),
         ],
-        parts: vec![Part {
-            first_triangle: 0,
-            triangle_count: triangles.len() as u32,
-            material: 0,
-        }],
-        triangles,
-        ..TriangleMesh::default()
+        ..of_triangles(triangles)
     }
 }
 
@@ -215,13 +222,7 @@ fn sheet(place: impl Fn(f32, f32) -> Vec3) -> TriangleMesh {
         positions: places
             .map(|(x, y)| place(x, y) - 1000.0 * Vec3::Z)
             .collect(),
-        parts: vec![Part {
-            first_triangle: 0,
-            triangle_count: triangles.len() as u32,
-            material: 0,
-        }],
-        triangles,
-        ..TriangleMesh::default()
+        ..of_triangles(triangles)
     }
 }
 

@@ -222,7 +222,7 @@ mod tests {
     use super::*;
 
     /// Two sheets of 40 by 40 cells of 0.1, one 0.05 above the other.
-    fn sheets() -> (Vec<Vec3>, Vec<[u32; 3]>) {
+    fn on_sheets(test: impl FnOnce(Patch)) {
         let side = 41_u32;
         let sheet = |height: f32| {
             (0..side * side)
@@ -233,77 +233,79 @@ mod tests {
             let cells = (0..40 * 40_u32).map(move |i| first + i % 40 + i / 40 * side);
             cells.flat_map(move |v| [[v, v + 1, v + side], [v + 1, v + 1 + side, v + side]])
         };
-        let triangles = corners(0).chain(corners(side * side)).collect();
-        (positions, triangles)
+        let triangles: Vec<[u32; 3]> = corners(0).chain(corners(side * side)).collect();
+        test(Patch {
+            positions: &positions,
+            triangles: &triangles,
+        });
     }
 
     #[test]
     fn connected_vertices_join_and_sheets_and_borders_stay() {
-        let (positions, triangles) = sheets();
-        let patch = Patch {
-            positions: &positions,
-            triangles: &triangles,
-        };
-        let clusters = Clusters::new(patch, 0.5, 0.0);
-        assert_eq!(clusters.folds, [[0; 3]; 0]);
-        let joined = &clusters.triangles;
-        assert!(joined.len() < triangles.len() / 4, "{}", joined.len());
-        for (vertex, from) in (0..).zip(&positions) {
-            let other = clusters.of(vertex);
-            let to = positions[other as usize];
-            assert_eq!(clusters.of(other), other);
-            assert!(from.z == to.z && (from - to).abs().max_element() < 0.5);
-            let is_inner = |x: f32| 0.05 < x && x < 3.95;
-            assert!((is_inner(from.x) && is_inner(from.y)) || *from == to);
-        }
-        // With its border where it was, a flat sheet keeps its area, however its triangles are turned.
-        let area = |triangles: &[[u32; 3]]| {
-            let doubled = triangles.iter().map(|t| {
-                let [a, b, c] = t.map(|v| positions[v as usize].as_dvec3());
-                (b - a).cross(c - a).z
-            });
-            doubled.sum::<f64>() / 2.0
-        };
-        let (after, before) = (area(joined), area(&triangles));
-        assert!((after - before).abs() < 1e-4, "{after} {before}");
+        on_sheets(|patch| {
+            let Patch {
+                positions,
+                triangles,
+            } = patch;
+            let clusters = Clusters::new(patch, 0.5, 0.0);
+            assert_eq!(clusters.folds, [[0; 3]; 0]);
+            let joined = &clusters.triangles;
+            assert!(joined.len() < triangles.len() / 4, "{}", joined.len());
+            for (vertex, from) in (0..).zip(positions) {
+                let other = clusters.of(vertex);
+                let to = positions[other as usize];
+                assert_eq!(clusters.of(other), other);
+                assert!(from.z == to.z && (from - to).abs().max_element() < 0.5);
+                let is_inner = |x: f32| 0.05 < x && x < 3.95;
+                assert!((is_inner(from.x) && is_inner(from.y)) || *from == to);
+            }
+            // With its border where it was, a flat sheet keeps its area, however its triangles are turned.
+            let area = |triangles: &[[u32; 3]]| {
+                let doubled = triangles.iter().map(|t| {
+                    let [a, b, c] = t.map(|v| positions[v as usize].as_dvec3());
+                    (b - a).cross(c - a).z
+                });
+                doubled.sum::<f64>() / 2.0
+            };
+            let (after, before) = (area(joined), area(triangles));
+            assert!((after - before).abs() < 1e-4, "{after} {before}");
+        });
     }
 
     #[test]
     fn clusters_are_divided_where_that_is_wanted_alone() {
-        let (positions, triangles) = sheets();
-        let patch = Patch {
-            positions: &positions,
-            triangles: &triangles,
-        };
-        let mut clusters = Clusters::new(patch, 0.5, 0.0);
-        let before: Vec<u32> = (0..positions.len() as u32)
-            .map(|v| clusters.of(v))
-            .collect();
-        let is_wanted = |other: u32| positions[other as usize].x < 2.0;
-        assert!(clusters.divide(patch, 0.2, is_wanted));
-        for (vertex, from) in (0..).zip(&positions) {
-            let (other, was) = (clusters.of(vertex), before[vertex as usize]);
-            let cell = if is_wanted(was) { 0.2 } else { 0.5 };
-            let reach = (from - positions[other as usize]).abs().max_element();
-            assert!(reach < cell, "{reach}");
-            assert!(other == was || is_wanted(was));
-            assert_eq!(is_wanted(before[other as usize]), is_wanted(was));
-        }
-        assert!(clusters.divide(patch, 0.0, |_| true));
-        assert_eq!(clusters.triangles, triangles);
-        assert!(!clusters.divide(patch, 0.0, |_| true));
+        on_sheets(|patch| {
+            let Patch {
+                positions,
+                triangles,
+            } = patch;
+            let mut clusters = Clusters::new(patch, 0.5, 0.0);
+            let before: Vec<u32> = (0..positions.len() as u32)
+                .map(|v| clusters.of(v))
+                .collect();
+            let is_wanted = |other: u32| positions[other as usize].x < 2.0;
+            assert!(clusters.divide(patch, 0.2, is_wanted));
+            for (vertex, from) in (0..).zip(positions) {
+                let (other, was) = (clusters.of(vertex), before[vertex as usize]);
+                let cell = if is_wanted(was) { 0.2 } else { 0.5 };
+                let reach = (from - positions[other as usize]).abs().max_element();
+                assert!(reach < cell, "{reach}");
+                assert!(other == was || is_wanted(was));
+                assert_eq!(is_wanted(before[other as usize]), is_wanted(was));
+            }
+            assert!(clusters.divide(patch, 0.0, |_| true));
+            assert_eq!(clusters.triangles, triangles);
+            assert!(!clusters.divide(patch, 0.0, |_| true));
+        });
     }
 
     #[test]
     fn cells_too_small_to_number_join_nothing() {
-        let (positions, triangles) = sheets();
-        let patch = Patch {
-            positions: &positions,
-            triangles: &triangles,
-        };
-        for cell in [0.0, 1e-7, 0.01, f32::NAN] {
-            let clusters = Clusters::new(patch, cell, 0.0);
-            assert_eq!(clusters.triangles, triangles);
-        }
+        on_sheets(|patch| {
+            for cell in [0.0, 1e-7, 0.01, f32::NAN] {
+                let clusters = Clusters::new(patch, cell, 0.0);
+                assert_eq!(clusters.triangles, patch.triangles);
+            }
+        });
     }
 }
