@@ -128,10 +128,10 @@ fn panes() -> Scene {
         ]
     };
     scene.images.push(Image {
-        name: String::new(),
         width: 8,
         height: 8,
         pixels: Some(Pixels::Rgba8((0..64).map(checker).collect())),
+        ..Image::default()
     });
     scene.textures.push(Texture::default());
     scene

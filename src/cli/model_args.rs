@@ -3,7 +3,9 @@
 use std::path::PathBuf;
 
 use anyhow::bail;
-use bspray::import::{ImportOptions, Moment, TextureNeeds, load_with, load_with_neighbors};
+use bspray::import::{
+    ImportOptions, Moment, ShownImages, TextureNeeds, load_shown, load_with, load_with_neighbors,
+};
 use bspray::scene::Scene;
 use clap::Args;
 
@@ -39,12 +41,14 @@ pub(super) struct ModelArgs {
 }
 
 /// What of the models is read.
-#[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Wants {
+#[derive(Clone, Copy, Default)]
+pub(super) struct Wants<'a> {
     /// All meshes as they are in the files, copies too.
     pub(super) keeps_copies: bool,
     /// Textures that are read.
     pub(super) textures: TextureNeeds,
+    /// How finely each image is shown; all are whole without it.
+    pub(super) shown: Option<&'a ShownImages<'a>>,
 }
 
 impl ModelArgs {
@@ -55,7 +59,11 @@ impl ModelArgs {
 
     /// Loads of the models what a picture wants.
     pub(super) fn load_wanted(&self, wants: Wants) -> anyhow::Result<Scene> {
-        Ok(load_with(&self.models, &self.options(wants)?)?)
+        let options = self.options(wants)?;
+        Ok(match wants.shown {
+            Some(shown) => load_shown(&self.models, &options, shown)?,
+            None => load_with(&self.models, &options)?,
+        })
     }
 
     /// Loads the models as one scene, and where everything is `step` seconds before and after, if a moment of an animation is shown.

@@ -1,14 +1,17 @@
 //! `bspray render`: models in, pictures and measurements out.
 
 use std::path::PathBuf;
+use std::sync::OnceLock;
 use std::time::Instant;
 
 use anyhow::{Context, bail};
 use bspray::accel::AcceleratorKind;
 use bspray::accel::bsp::polygon::SceneTrees;
 use bspray::geometry::TriangleTest;
-use bspray::import::TextureNeeds;
-use bspray::render::{Integrator, LightSearch, NoiseGoal, PixelFilter, PixelRect, RenderOptions};
+use bspray::import::{ShownImages, TextureNeeds};
+use bspray::render::{
+    self, Integrator, LightSearch, NoiseGoal, PixelFilter, PixelRect, RenderOptions,
+};
 use bspray::scene::Scene;
 use clap::{Args, ValueEnum};
 
@@ -230,7 +233,22 @@ pub(super) fn run(args: &RenderArgs) -> anyhow::Result<Done> {
         .map(|address| Server::connect(address, args.quiet))
         .transpose()?;
     let started = Instant::now();
-    let wants = wants(args, has_layers);
+    // The scene is read for the camera that looks at it.
+    let camera_of = |scene: &Scene| {
+        let camera = args.camera.choose(scene, args.resolution)?;
+        anyhow::Ok(args.lens.project(camera))
+    };
+    let camera = OnceLock::new();
+    let shown = |scene: &Scene| {
+        // What is wrong with a camera is said when the scene is there.
+        let Ok(camera) = camera.get_or_init(|| camera_of(scene)) else {
+            return Vec::new();
+        };
+        let middle = scene.bounds().center().as_dvec3();
+        let views = shot::views(args, (camera, middle), &shots).unwrap_or_default();
+        render::shown_detail(scene, &views, &options(args, scene, window, has_layers))
+    };
+    let wants = wants(args, has_layers, &shown);
     let (mut scene, neighbors) = motion::load(
         &args.input,
         &args.frames,
@@ -249,9 +267,10 @@ pub(super) fn run(args: &RenderArgs) -> anyhow::Result<Done> {
     if !args.quiet {
         output::tell_of(&scene);
     }
-    let camera = args
-        .lens
-        .project(args.camera.choose(&scene, args.resolution)?);
+    let camera = match camera.into_inner() {
+        Some(camera) => camera?,
+        None => camera_of(&scene)?,
+    };
     let neighbors = neighbors.map(|n| Neighbors::new(args, n)).transpose()?;
     let camera_flags =
         camera_args::as_flags(&camera, &scene, args.camera.up()) + &args.lens.as_flags();
@@ -262,15 +281,15 @@ pub(super) fn run(args: &RenderArgs) -> anyhow::Result<Done> {
         .num_threads(args.threads)
         .build()
         .context("cannot start threads")?;
-    let integrator = integrator(args, &scene);
-    args.savings.check(integrator)?;
+    let options = options(args, &scene, window, has_layers);
+    args.savings.check(options.integrator)?;
     let middle = scene.bounds().center().as_dvec3();
     let views = shot::views(args, (&camera, middle), &shots)?;
     let (scene, detail) = pool.install(|| args.savings.simplify(scene, views, args.resolution));
     if let Some(detail) = detail.as_ref().filter(|_| !args.quiet) {
         detail.tell(has_layers);
     }
-    let shows_trees = integrator.shows_trees() || args.bsp_layers;
+    let shows_trees = options.integrator.shows_trees() || args.bsp_layers;
     let started = Instant::now();
     let trees = args.bsp.options(args.seed);
     let trees = shows_trees.then(|| SceneTrees::build(&scene, &trees));
@@ -280,28 +299,6 @@ pub(super) fn run(args: &RenderArgs) -> anyhow::Result<Done> {
     {
         output::message(&bsp_args::describe(trees));
     }
-    let filter = match args.filter {
-        FilterName::Box => PixelFilter::Box,
-        FilterName::BlackmanHarris => PixelFilter::BlackmanHarris,
-    };
-    let options = RenderOptions {
-        size: args.resolution,
-        window,
-        samples: args.spp.unwrap_or(match args.time_limit {
-            Some(_) => values::MOST_SAMPLES as u32,
-            None if args.savings.noise.is_some() => MOST_ADAPTIVE_SAMPLES,
-            None => DEFAULT_SAMPLES,
-        }),
-        noise: args.savings.noise.map(|level| NoiseGoal {
-            level,
-            exposure: args.display.exposure_factor(),
-        }),
-        seed: args.seed,
-        integrator,
-        filter,
-        counts_cost: has_layers || args.stats || args.json,
-        wants_layers: has_layers || args.denoise,
-    };
     let studio = Studio {
         args,
         scene: &scene,
@@ -324,6 +321,30 @@ pub(super) fn run(args: &RenderArgs) -> anyhow::Result<Done> {
         begun,
     };
     studio.take(&shots)
+}
+
+fn options(args: &RenderArgs, scene: &Scene, window: PixelRect, has_layers: bool) -> RenderOptions {
+    RenderOptions {
+        size: args.resolution,
+        window,
+        samples: args.spp.unwrap_or(match args.time_limit {
+            Some(_) => values::MOST_SAMPLES as u32,
+            None if args.savings.noise.is_some() => MOST_ADAPTIVE_SAMPLES,
+            None => DEFAULT_SAMPLES,
+        }),
+        noise: args.savings.noise.map(|level| NoiseGoal {
+            level,
+            exposure: args.display.exposure_factor(),
+        }),
+        seed: args.seed,
+        integrator: integrator(args, scene),
+        filter: match args.filter {
+            FilterName::Box => PixelFilter::Box,
+            FilterName::BlackmanHarris => PixelFilter::BlackmanHarris,
+        },
+        counts_cost: has_layers || args.stats || args.json,
+        wants_layers: has_layers || args.denoise,
+    }
 }
 
 fn window(args: &RenderArgs) -> anyhow::Result<PixelRect> {
@@ -357,7 +378,7 @@ fn window(args: &RenderArgs) -> anyhow::Result<PixelRect> {
 }
 
 /// What of the models the pictures need.
-fn wants(args: &RenderArgs, has_layers: bool) -> Wants {
+fn wants<'a>(args: &RenderArgs, has_layers: bool, shown: &'a ShownImages<'a>) -> Wants<'a> {
     use IntegratorName::{Ao, BspDepth, Cost, Facing, Fragment, Id, Normals, Uv};
     let keeps_copies = args.savings.exhaustive;
     // Layers, filters and reports look at colours whatever the picture shows.
@@ -371,6 +392,7 @@ fn wants(args: &RenderArgs, has_layers: bool) -> Wants {
     Wants {
         keeps_copies,
         textures,
+        shown: (!shows_all).then_some(shown),
     }
 }
 

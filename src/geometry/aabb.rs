@@ -1,6 +1,6 @@
 //! Axis-aligned boxes.
 
-use glam::Vec3;
+use glam::{DVec3, Vec3};
 
 /// An axis-aligned box given by its least and greatest corner, both included.
 ///
@@ -72,6 +72,15 @@ impl Aabb {
     pub fn surface_area(&self) -> f32 {
         let e = self.extent();
         2.0 * (e.x * e.y + e.y * e.z + e.z * e.x)
+    }
+
+    /// Distance of a point from the box, in model units: 0 inside, infinite from an empty one.
+    pub fn distance(&self, point: DVec3) -> f64 {
+        if self.is_empty() {
+            return f64::INFINITY;
+        }
+        let [min, max] = [self.min, self.max].map(Vec3::as_dvec3);
+        (min - point).max(point - max).max(DVec3::ZERO).length()
     }
 
     /// Whether the box holds `point`; its faces belong to it.

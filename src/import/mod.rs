@@ -18,7 +18,7 @@ use std::path::{Path, PathBuf};
 
 use self::budget::{Budget, Refusal};
 use self::line::one_line;
-use crate::scene::Scene;
+use crate::scene::{Scene, ShownDetail};
 
 /// Why a file gave no scene. Each names the file, the element and the cause in one line.
 #[derive(Debug, thiserror::Error)]
@@ -129,6 +129,9 @@ pub enum TextureNeeds {
     All,
 }
 
+/// Says of a scene whose images are not there yet what of each is shown; `None` for those that are to be whole, and nothing at all if all are.
+pub type ShownImages<'a> = dyn Fn(&Scene) -> Vec<Option<ShownDetail>> + Sync + 'a;
+
 /// A moment of an animation.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Moment {
@@ -172,7 +175,21 @@ pub fn load(files: &[PathBuf]) -> Result<Scene, ImportError> {
 /// assert!(error.unwrap_err().to_string().ends_with("variant \"red\": is not there: the file has none"));
 /// ```
 pub fn load_with(files: &[PathBuf], options: &ImportOptions) -> Result<Scene, ImportError> {
-    load_all(files, options, &mut 0)
+    load_all(files, options, None, &mut 0)
+}
+
+/// Reads several files into one scene, as [`load_with`] does, and keeps of every image the levels of detail that are shown.
+///
+/// `shown` is asked before the images of a single glTF file are read, each of which is made coarser before the next one is read; in other cases afterwards.
+///
+/// # Errors
+/// As [`load_with`].
+pub fn load_shown(
+    files: &[PathBuf],
+    options: &ImportOptions,
+    shown: &ShownImages,
+) -> Result<Scene, ImportError> {
+    load_all(files, options, Some(shown), &mut 0)
 }
 
 /// Reads several files into one scene at a moment of an animation, as [`load_with`] does, and their geometry (see [`ImportOptions::geometry_only`]) at the moments `step` seconds before
@@ -191,7 +208,7 @@ pub fn load_with_neighbors(
         moment: Some(moment),
         ..options.clone()
     };
-    let scene = load_all(files, &now, &mut used)?;
+    let scene = load_all(files, &now, None, &mut used)?;
     let mut beside = |step: f64| {
         let moment = Moment {
             seconds: moment.seconds + step,
@@ -202,7 +219,7 @@ pub fn load_with_neighbors(
             geometry_only: true,
             ..options.clone()
         };
-        load_all(files, &options, &mut used)
+        load_all(files, &options, None, &mut used)
     };
     let neighbors = [beside(-step)?, beside(step)?];
     Ok((scene, neighbors))
@@ -212,13 +229,16 @@ pub fn load_with_neighbors(
 fn load_all(
     files: &[PathBuf],
     options: &ImportOptions,
+    shown: Option<&ShownImages>,
     used: &mut u64,
 ) -> Result<Scene, ImportError> {
     let mut scene = Scene::default();
+    // A camera may look at all of the files.
+    let shown_at_once = shown.filter(|_| files.len() == 1);
     let (mut has_animations, mut has_variants) = (false, false);
     let limit = options.memory_limit.unwrap_or_else(budget::default_limit);
     for file in files {
-        let (read, used_with_it) = load_file(file, options, limit, *used)?;
+        let (read, used_with_it) = load_file(file, options, shown_at_once, (limit, *used))?;
         *used = used_with_it;
         // A file may bring light or a view to the models of the others.
         let brings_more = !read.scene.lights.is_empty() || !read.scene.cameras.is_empty();
@@ -241,7 +261,12 @@ fn load_all(
             let cause = "is not there: the file has none";
             Err(ImportError::invalid(file, missing, cause))
         }
-        _ => Ok(scene),
+        _ => {
+            if let Some(shown) = shown.filter(|_| shown_at_once.is_none()) {
+                images::keep_shown(&mut scene, shown);
+            }
+            Ok(scene)
+        }
     }
 }
 
@@ -266,8 +291,8 @@ impl From<Scene> for FileRead {
 fn load_file(
     file: &Path,
     options: &ImportOptions,
-    limit: u64,
-    used: u64,
+    shown: Option<&ShownImages>,
+    (limit, used): (u64, u64),
 ) -> Result<(FileRead, u64), ImportError> {
     let metadata = std::fs::metadata(file).map_err(|e| ImportError::io(file, e))?;
     if metadata.is_dir() {
@@ -294,13 +319,13 @@ fn load_file(
     }
     let bytes = std::fs::read(file).map_err(|e| ImportError::io(file, e))?;
     let used = budget.used();
-    let read = load_bytes(file, &bytes, options, &budget);
+    let read = load_bytes(file, &bytes, options, shown, &budget);
     if let Some(mut refusal) = budget.refusal() {
         drop(read);
         // Threads ask for memory in no order; one alone meets the same element always.
         let alone = Budget::new(limit, used);
         if let Ok(pool) = rayon::ThreadPoolBuilder::new().num_threads(1).build() {
-            drop(pool.install(|| load_bytes(file, &bytes, options, &alone)));
+            drop(pool.install(|| load_bytes(file, &bytes, options, shown, &alone)));
             refusal = alone.refusal().unwrap_or(refusal);
         }
         return Err(out_of_memory(refusal));
@@ -312,11 +337,18 @@ fn load_bytes(
     file: &Path,
     bytes: &[u8],
     options: &ImportOptions,
+    shown: Option<&ShownImages>,
     budget: &Budget,
 ) -> Result<FileRead, ImportError> {
     let mut read = match format_of(file, bytes) {
-        Some(Format::Obj) => obj::load(file, bytes, options, budget)?.into(),
-        Some(Format::Gltf) => gltf::load(file, bytes, options, budget)?,
+        Some(Format::Obj) => {
+            let mut scene = obj::load(file, bytes, options, budget)?;
+            if let Some(shown) = shown {
+                images::keep_shown(&mut scene, shown);
+            }
+            scene.into()
+        }
+        Some(Format::Gltf) => gltf::load(file, bytes, options, shown, budget)?,
         None => {
             let cause = "is no model that bspray reads (OBJ, glTF, GLB)";
             return Err(ImportError::unsupported(file, "file", cause));

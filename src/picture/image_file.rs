@@ -59,6 +59,7 @@ pub fn read_image_if(
         width,
         height,
         pixels: Some(Pixels::RgbaF32(pixels)),
+        ..Image::default()
     })
 }
 

@@ -178,6 +178,7 @@ pub fn read_image_if(
         width,
         height,
         pixels: Some(pixels_of(decoded)),
+        ..Image::default()
     })
 }
 

@@ -2,7 +2,7 @@
 
 use glam::{Vec2, Vec3};
 
-use super::ray_cone::uv_per_length;
+use super::ray_cone::uv_width_per_length;
 use super::stage::Stage;
 use crate::accel::Hit;
 use crate::geometry::{Facet, Triangle};
@@ -16,7 +16,7 @@ pub(super) struct StagedFacet {
     pub(super) material: u32,
     /// How far along the normal a ray must start so as to leave the triangle behind, in model units.
     pub(super) offset: f32,
-    /// Units of the first set of texture coordinates by model unit; 0 where no texture is looked up.
+    /// As [`uv_width_per_length`], in the first set of texture coordinates; 0 where no texture is looked up.
     pub(super) uv_per_length: f32,
 }
 
@@ -34,7 +34,7 @@ impl StagedFacet {
         let uv_set =
             (mesh.uv_sets.first()).filter(|_| stage.materials[material as usize].is_textured);
         let density = |set: &Vec<Vec2>| {
-            uv_per_length(
+            uv_width_per_length(
                 points,
                 corners.map(|v| set.get(v).copied().unwrap_or_default()),
             )

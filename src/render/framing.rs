@@ -152,20 +152,21 @@ fn fit(camera: &mut Camera, scene: &Scene, tangents: [f64; 2], is_centered: bool
     };
     let [right, up, back, _] = frame.world_from_camera();
     let origin = camera.focal_point.as_dvec3();
-    // For each axis across the view, the greatest x + z tan and -x + z tan.
-    let mut extremes = [[f64::NEG_INFINITY; 2]; 2];
-    let mut nearest = f64::NEG_INFINITY;
-    let clusters = scene.clusters();
-    for point in scene.world_points(&clusters) {
-        let p = point.as_dvec3() - origin;
-        let z = p.dot(back);
-        nearest = nearest.max(z);
-        for ((extreme, axis), tangent) in extremes.iter_mut().zip([right, up]).zip(tangents) {
-            let x = p.dot(axis);
-            extreme[0] = extreme[0].max(x + z * tangent);
-            extreme[1] = extreme[1].max(-x + z * tangent);
-        }
-    }
+    // For each axis across the view, the greatest x + z tan and -x + z tan, and last the greatest z.
+    let [x_tan, y_tan] = tangents;
+    let [right_most, left_most, top_most, low_most, nearest] =
+        scene.extremes(1.0 + x_tan.max(y_tan), |point| {
+            let p = point.as_dvec3() - origin;
+            let (x, y, z) = (p.dot(right), p.dot(up), p.dot(back));
+            [
+                x + z * x_tan,
+                -x + z * x_tan,
+                y + z * y_tan,
+                -y + z * y_tan,
+                z,
+            ]
+        });
+    let extremes = [[right_most, left_most], [top_most, low_most]];
     let mut offset = DVec3::ZERO;
     let mut distance = nearest + clearance;
     for ((extreme, axis), tangent) in extremes.iter().zip([right, up]).zip(tangents) {

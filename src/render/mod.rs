@@ -20,17 +20,16 @@ mod layered;
 mod lights;
 mod lobes;
 mod mikktspace;
-mod mipmap;
 mod motion;
 mod overlay;
 mod partition;
 mod ray_cone;
 mod sampler;
 mod secondary;
+mod shown;
 mod stage;
 mod surface;
 mod tangents;
-mod texel;
 mod texture;
 mod thrift;
 mod together;
@@ -55,9 +54,10 @@ pub use lights::Lights;
 pub use motion::{MotionFrame, add_motion};
 pub use overlay::{Overlay, OverlayOptions, OverlayReport};
 pub use partition::FragmentPoint;
-pub use ray_cone::{RayCone, uv_per_length};
+pub use ray_cone::{RayCone, uv_per_length, uv_width_per_length};
 pub use sampler::Sampler;
 pub use secondary::{hemisphere_ray, shadow_ray};
+pub use shown::shown_detail;
 pub use stage::{SkyMode, Stage};
 pub use surface::{MaterialPoint, Surface};
 pub use texture::Textures;
@@ -234,6 +234,22 @@ pub fn render(
     film
 }
 
+/// The cone of a sample. The samples of a pixel share it, so each stands for less than the whole; how much less is bounded, since
+/// texels are not finer for it (as in pbrt-v4, section 10.1.4).
+fn eye_cone(camera: &CameraFrame, options: &RenderOptions) -> RayCone {
+    let rows = f64::from(options.size.1);
+    let pixel = (2.0 * camera.half_size().1 / rows) as f32;
+    let share = (1.0 / (options.samples as f32).sqrt()).max(0.125);
+    if camera.is_perspective() {
+        RayCone::of_pixel(pixel * share)
+    } else {
+        RayCone {
+            width: pixel * share,
+            spread: 0.0,
+        }
+    }
+}
+
 /// Renders single samples of single pixels.
 pub struct PixelRenderer<'a> {
     /// The scene.
@@ -248,7 +264,7 @@ impl PixelRenderer<'_> {
     /// One sample of a pixel.
     pub fn sample(&self, tracer: &mut Tracer, x: u32, y: u32, sample: u32) -> Sample {
         let (ray, sampler) = self.begin(x, y, sample);
-        self.finish(tracer, &ray, sampler, self.cone())
+        self.finish(tracer, &ray, sampler, eye_cone(self.camera, self.options))
     }
 
     /// What the eye sees along the ray of a sample.
@@ -256,22 +272,6 @@ impl PixelRenderer<'_> {
         let hit = tracer.closest(ray, RayKind::Eye);
         let integrator = &self.options.integrator;
         integrator.sample(self.stage, tracer, (*ray, hit), cone, &mut rest)
-    }
-
-    /// The cone of a sample. The samples of a pixel share it, so each stands for less than the whole; how much less is bounded, since
-    /// texels are not finer for it (as in pbrt-v4, section 10.1.4).
-    fn cone(&self) -> RayCone {
-        let rows = f64::from(self.options.size.1);
-        let pixel = (2.0 * self.camera.half_size().1 / rows) as f32;
-        let share = (1.0 / (self.options.samples as f32).sqrt()).max(0.125);
-        if self.camera.is_perspective() {
-            RayCone::of_pixel(pixel * share)
-        } else {
-            RayCone {
-                width: pixel * share,
-                spread: 0.0,
-            }
-        }
     }
 
     /// What the ray through a pixel's centre, and the middle of the lens, meets first. Places where a material's alpha is zero do not count.

@@ -65,6 +65,30 @@ pub fn uv_per_length([a, b, c]: [Vec3; 3], [p, q, r]: [Vec2; 3]) -> f32 {
     if ratio.is_finite() { ratio } else { 0.0 }
 }
 
+/// Most that a patch is longer than wide in texture coordinates, for what its width counts.
+const MOST_ANISOTROPY: f32 = 16.0;
+
+/// How wide a patch of a triangle is in texture coordinates, for each model unit of its width: [`uv_per_length`] where they are not stretched much. A patch that is longer than
+/// [`MOST_ANISOTROPY`] times its width counts as if it were as wide as that, as in graphics hardware (OpenGL's EXT_texture_filter_anisotropic): else triangles whose
+/// coordinates lie nearly on a line, as along seams, would be looked up in the finest detail however far they are. 0 for a triangle without an area, and where all coordinates are one point.
+pub fn uv_width_per_length(points: [Vec3; 3], uvs: [Vec2; 3]) -> f32 {
+    let ([a, b, c], [p, q, r]) = (points, uvs);
+    let (e, f, s, t) = (b - a, c - a, q - p, r - p);
+    let area = e.cross(f).length_squared();
+    // Sum and product of the squares of the map's singular values.
+    let sum = s.length_squared() * f.length_squared() - 2.0 * s.dot(t) * e.dot(f)
+        + t.length_squared() * e.length_squared();
+    let (sum, product) = (sum / area, s.perp_dot(t) * s.perp_dot(t) / area);
+    let longest = 0.5 * (sum + (sum * sum - 4.0 * product).max(0.0).sqrt());
+    let least = (longest / MOST_ANISOTROPY).sqrt();
+    let width = uv_per_length(points, uvs);
+    if least.is_finite() {
+        width.max(least)
+    } else {
+        width
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -85,10 +109,10 @@ mod tests {
             }],
             textures: vec![Texture::default()],
             images: vec![Image {
-                name: String::new(),
                 width: 64,
                 height: 32,
                 pixels: Some(Pixels::RgbaF32((0..64 * 32).map(pixel).collect())),
+                ..Image::default()
             }],
             ..Scene::default()
         };
@@ -179,6 +203,33 @@ mod tests {
             let found = look(&twice, uv, width);
             assert!((direct - found).abs().max_element() < 1e-4, "{width}");
         }
+    }
+
+    #[test]
+    fn stretched_coordinates_count_as_a_sixteenth_as_wide_as_long() {
+        let turn = |v: Vec2, angle: f32| Vec2::from_angle(angle).rotate(v);
+        for (long, wide, expected) in [
+            (1.0_f32, 1.0, 1.0_f32),
+            (2.0, 0.25, 0.5_f32.sqrt()),
+            (4.0, 0.25, 1.0),
+            (4.0, 0.01, 1.0),
+            (4.0, 0.0, 1.0),
+            (0.0, 0.0, 0.0),
+        ] {
+            for angle in [0.0, 0.4, 1.3] {
+                // A triangle in a plane that is turned, with a map of these singular values.
+                let corners = [Vec2::ZERO, Vec2::new(0.3, 0.1), Vec2::new(-0.2, 0.7)];
+                let map = |v: Vec2| turn(Vec2::new(long, wide) * turn(v, angle), 1.0 - angle);
+                let points = corners.map(|v| glam::Quat::from_rotation_x(angle) * v.extend(2.0));
+                let found = uv_width_per_length(points, corners.map(map));
+                assert!((found - expected).abs() < 1e-3, "{long} {wide}: {found}");
+            }
+        }
+        let line = [Vec3::ZERO, Vec3::X, Vec3::X * 2.0];
+        assert_eq!(
+            uv_width_per_length(line, [Vec2::ZERO, Vec2::X, Vec2::Y]),
+            0.0
+        );
     }
 
     #[test]

@@ -10,7 +10,7 @@ use glam::{DVec3, Vec2, Vec3, Vec4};
 use rayon::prelude::*;
 
 use super::mikktspace::corner_tangents;
-use super::ray_cone::uv_per_length;
+use super::ray_cone::{uv_per_length, uv_width_per_length};
 use super::stage::Stage;
 use super::surface::Surface;
 use super::texture::ColorSpace;
@@ -137,7 +137,7 @@ impl Surface {
         let corners = mesh.triangles[self.hit.triangle as usize].map(|v| v as usize);
         let points = corners.map(|v| instance.world_point(mesh.positions[v]));
         let uvs = corners.map(|v| set.get(v).copied().unwrap_or_default());
-        (uv, footprint * uv_per_length(points, uvs))
+        (uv, footprint * uv_width_per_length(points, uvs))
     }
 }
 

@@ -10,10 +10,10 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use glam::{Vec2, Vec4};
 use rayon::prelude::*;
 
-use super::mipmap::Pyramid;
-use super::texel::{self, fetch};
 pub(super) use crate::scene::ColorSpace;
-use crate::scene::{Filter, Image, Pixels, Scene, Texture, TextureRef, Wrap};
+use crate::scene::{
+    Filter, Image, Pixels, Pyramid, Scene, Texture, TextureRef, Wrap, fetch, fetch_four,
+};
 
 /// What is worked out of a scene's images for lookups: for each image, and each colour space in which materials use it, its levels of
 /// detail, a third of the image's own memory. They are built when the first lookup wants one of them, since many images are never seen from far
@@ -55,7 +55,7 @@ impl Textures {
         images.for_each(|(levels, image)| {
             for space in [ColorSpace::Srgb, ColorSpace::Linear] {
                 if let (Some(once), Some(pixels)) = (levels.pyramid(space), &image.pixels) {
-                    once.get_or_init(|| Pyramid::new(pixels, (image.width, image.height), space));
+                    once.get_or_init(|| Pyramid::new(pixels, image.size(), space));
                 }
             }
         });
@@ -74,7 +74,7 @@ impl Textures {
         let bytes = |(levels, image): (&ImageLevels, &Image)| {
             let uses = levels.pyramids.iter().flatten().count() as u64;
             let pixels = image.pixels.as_ref();
-            uses * pixels.map_or(0, |p| Pyramid::memory_of(p, (image.width, image.height)))
+            uses * pixels.map_or(0, |p| Pyramid::memory_of(p, image.size()))
         };
         images.map(bytes).sum()
     }
@@ -103,7 +103,6 @@ impl Textures {
         let Some(pixels) = &image.pixels else {
             return Vec4::ONE;
         };
-        let size = (image.width, image.height);
         let at = texture.map(uv);
         if !at.is_finite() {
             return Vec4::ONE;
@@ -119,14 +118,17 @@ impl Textures {
             && sampled.filter == Filter::Linear
             && let Some(once) = levels.and_then(|l| l.pyramid(meaning(space, pixels)))
         {
-            let level = level(texture, size, width_uv);
-            if level > 0.0 {
-                let new = || Pyramid::new(pixels, size, meaning(space, pixels));
+            let level = level(texture, (image.width, image.height), width_uv);
+            let below = level - image.finest as f32;
+            if below > 0.0 {
+                let space = meaning(space, pixels);
+                let new = || Pyramid::new(pixels, image.size(), space);
                 let pyramid = once.get_or_init(new);
-                return pyramid.lookup((pixels, size), sampled, at, level);
+                let finest = (pixels, image.size());
+                return trilinear(finest, pyramid, sampled, at, below, space);
             }
         }
-        bilinear(pixels, size, sampled, at, space)
+        bilinear(pixels, image.size(), sampled, at, space)
     }
 }
 
@@ -142,6 +144,35 @@ fn meaning(space: ColorSpace, pixels: &Pixels) -> ColorSpace {
         Pixels::RgbaF32(_) => ColorSpace::Linear,
         _ => space,
     }
+}
+
+/// The value at coordinates `at` of the image (0 to 1 along each side), `level` levels (above 0) below the finest that is kept, mixed of those beside it.
+fn trilinear(
+    finest: (&Pixels, (u32, u32)),
+    pyramid: &Pyramid,
+    sampled: &Texture,
+    at: Vec2,
+    level: f32,
+    space: ColorSpace,
+) -> Vec4 {
+    let levels = pyramid.levels();
+    let level = level.min(levels.len() as f32);
+    let finer = level as usize;
+    let value = |index: usize| {
+        let (pixels, size) = match index.checked_sub(1) {
+            None => finest,
+            Some(below) => {
+                let level = &levels[below.min(levels.len() - 1)];
+                (&level.pixels, level.size)
+            }
+        };
+        bilinear(pixels, size, sampled, at, space)
+    };
+    let share = level - finer as f32;
+    if share <= 0.0 {
+        return value(finer);
+    }
+    value(finer).lerp(value(finer + 1), share)
 }
 
 /// The level whose texels have the area of a square of `width_uv`, by its binary logarithm; 0 or less for the finest.
@@ -175,7 +206,7 @@ pub(super) fn bilinear(
     let (left, top) = (left as i64, top as i64);
     let columns = [column(left), column(left.saturating_add(1))];
     let rows = [row(top), row(top.saturating_add(1))];
-    let [a, b, c, d] = texel::fetch_four(pixels, columns, rows, space);
+    let [a, b, c, d] = fetch_four(pixels, columns, rows, space);
     a.lerp(b, fx).lerp(c.lerp(d, fx), fy)
 }
 
@@ -222,10 +253,10 @@ mod tests {
                 filter,
             }],
             images: vec![Image {
-                name: String::new(),
                 width: 2,
                 height: 2,
                 pixels: Some(pixels),
+                ..Image::default()
             }],
             ..Scene::default()
         }
@@ -276,10 +307,10 @@ mod tests {
     fn colours_are_decoded_and_alpha_is_not() {
         let pixels = Pixels::Rgba8(vec![[188, 188, 188, 128]]);
         let image = Image {
-            name: String::new(),
             width: 1,
             height: 1,
             pixels: Some(pixels),
+            ..Image::default()
         };
         let scene = Scene {
             textures: vec![Texture::default()],

@@ -61,7 +61,8 @@ impl Together {
         tracer: &mut Tracer<'a>,
         mut done: impl FnMut(&mut Tracer<'a>, (u32, u32), Sample) -> ControlFlow<()>,
     ) -> ControlFlow<()> {
-        let (stage, integrator, cone) = (pixel.stage, pixel.options.integrator, pixel.cone());
+        let (stage, integrator) = (pixel.stage, pixel.options.integrator);
+        let cone = super::eye_cone(pixel.camera, pixel.options);
         let (places, samples) = (&self.places, self.samples);
         let all = self.rays.iter().zip(&mut self.samplers);
         if !self.has_hits {

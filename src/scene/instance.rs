@@ -1,6 +1,8 @@
 //! Placed meshes.
 
-use glam::{DAffine3, Vec3};
+use glam::{DAffine3, DMat3, DVec3, Vec3};
+
+use crate::geometry::Aabb;
 
 /// Scales of an inverse placement's axes that leave directions of usual length inside single precision, which ends at 1e38 and
 /// loses digits below 1e-38.
@@ -38,6 +40,34 @@ impl Instance {
             .as_vec3()
     }
 
+    /// The box in world space of the corners of a box in object space; an empty one of an empty one.
+    pub fn world_bounds(&self, object: &Aabb) -> Aabb {
+        let corner = |i: u32| {
+            let side = |axis: usize| [object.min, object.max][(i >> axis & 1) as usize][axis];
+            self.world_point(Vec3::new(side(0), side(1), side(2)))
+        };
+        match object.is_empty() {
+            true => Aabb::EMPTY,
+            false => (0..8).map(corner).collect(),
+        }
+    }
+
+    /// By how much the placement lengthens at most: its matrix's greatest singular value, the root of the greatest eigenvalue of `MᵀM` (Smith 1961, "Eigenvalues of a Symmetric 3 × 3 Matrix").
+    pub fn greatest_scale(&self) -> f64 {
+        let m = self.world_from_object.matrix3;
+        let s = m.transpose() * m;
+        let mean = (s.x_axis.x + s.y_axis.y + s.z_axis.z) / 3.0;
+        let off = s.x_axis.y * s.x_axis.y + s.x_axis.z * s.x_axis.z + s.y_axis.z * s.y_axis.z;
+        let diagonal = DVec3::new(s.x_axis.x, s.y_axis.y, s.z_axis.z) - mean;
+        let spread = ((diagonal.length_squared() + 2.0 * off) / 6.0).sqrt();
+        if spread <= mean * f64::EPSILON {
+            return mean.sqrt();
+        }
+        let shifted = (s - DMat3::from_diagonal(DVec3::splat(mean))) * (1.0 / spread);
+        let angle = libm::acos((shifted.determinant() / 2.0).clamp(-1.0, 1.0)) / 3.0;
+        (mean + 2.0 * spread * libm::cos(angle)).sqrt()
+    }
+
     /// The inverse placement, or `None` where the matrix is singular, or where the inverse leaves the range in which a direction
     /// can be rounded to single precision without loss (axes scaled by 1e-25 to 1e25). Such instances are traced in world space.
     pub fn object_from_world(&self) -> Option<DAffine3> {
@@ -55,9 +85,9 @@ impl Instance {
 
     /// The matrix of cofactors of the placement's linear part: the inverse transpose times the determinant, which exists without an
     /// inverse. It takes normals and area vectors to world space, and, for a placement that mirrors, to the other side.
-    pub fn cofactors(&self) -> glam::DMat3 {
+    pub fn cofactors(&self) -> DMat3 {
         let m = self.world_from_object.matrix3;
-        glam::DMat3::from_cols(
+        DMat3::from_cols(
             m.y_axis.cross(m.z_axis),
             m.z_axis.cross(m.x_axis),
             m.x_axis.cross(m.y_axis),
@@ -73,7 +103,6 @@ impl Instance {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use glam::DVec3;
 
     #[test]
     fn a_point_is_rounded_once() {
@@ -95,5 +124,34 @@ mod tests {
         assert!(tiny.object_from_world().is_none());
         let mirror = Instance::new("x", 0, DAffine3::from_scale(DVec3::new(-1.0, 3.0, 2.0)));
         assert!(mirror.object_from_world().is_some() && mirror.is_mirrored());
+    }
+
+    fn placed(matrix: DMat3) -> Instance {
+        Instance::new("", 0, DAffine3::from_mat3(matrix))
+    }
+
+    #[test]
+    fn the_greatest_scale_is_the_longest_image_of_a_unit_vector() {
+        let turn = DMat3::from_rotation_y(0.7) * DMat3::from_rotation_x(-1.1);
+        let other = DMat3::from_rotation_z(2.0);
+        let stretch = DMat3::from_diagonal(DVec3::new(0.5, 3.0, -2.0));
+        let shear = DMat3::from_cols_array(&[1.0, 0.0, 0.0, 2.0, 1.0, 0.0, 0.5, -1.0, 1.0]);
+        assert!((placed(turn * 2.5).greatest_scale() - 2.5).abs() < 1e-12);
+        assert!((placed(turn * stretch * other).greatest_scale() - 3.0).abs() < 1e-9);
+        for matrix in [shear, turn * shear * stretch] {
+            let directions = (0..40_000).map(|i| {
+                let (s, c) = libm::sincos(f64::from(i % 200) * 0.0314159);
+                let z = f64::from(i / 200) / 100.0 - 1.0;
+                DVec3::new((1.0 - z * z).sqrt() * c, (1.0 - z * z).sqrt() * s, z)
+            });
+            let longest = directions
+                .map(|d| (matrix * d).length())
+                .fold(0.0, f64::max);
+            let found = placed(matrix).greatest_scale();
+            assert!(
+                longest <= found && found < longest * 1.001,
+                "{found} {longest}"
+            );
+        }
     }
 }

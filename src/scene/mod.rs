@@ -6,6 +6,8 @@ mod camera_frame;
 mod defect;
 mod detail;
 mod environment;
+mod extremes;
+mod image;
 mod instance;
 mod light;
 mod material;
@@ -19,6 +21,8 @@ pub use camera_frame::{CameraFrame, Pinhole};
 pub use defect::{Defect, DefectCause, Note};
 pub use detail::{DetailOptions, DetailReport, InstanceDetail};
 pub use environment::Sky;
+pub use image::{ColorSpace, Image, Pixels, ShownDetail};
+pub(crate) use image::{Pyramid, fetch, fetch_four};
 pub use instance::Instance;
 pub use light::{Light, LightKind};
 pub use material::{
@@ -27,11 +31,9 @@ pub use material::{
 };
 pub use measure::MeshMeasure;
 pub use mesh::{MeshError, Outline, Part, TriangleMesh};
-pub use texture::{ColorSpace, Filter, Image, Pixels, Texture, Wrap};
+pub use texture::{Filter, Texture, Wrap};
 
 use std::path::PathBuf;
-
-use crate::geometry::Aabb;
 
 /// Everything that a render needs to know of its models.
 ///
@@ -134,12 +136,6 @@ impl Scene {
             .iter()
             .map(|i| self.meshes[i.mesh as usize].triangles.len() as u64)
             .sum()
-    }
-
-    /// The world-space box of all instances; empty when nothing is placed. Only vertices that a triangle uses count.
-    pub fn bounds(&self) -> Aabb {
-        let clusters = self.clusters();
-        self.world_points(&clusters).collect()
     }
 
     /// For each mesh, points in object space whose hull holds it: the vertices that a triangle uses, or, for a mesh that is placed

@@ -106,10 +106,10 @@ fn a_mask_is_there_from_its_cutoff_on() {
         (level(0.5, [0.0, 4.0], [0.0, 1.0]), masked),
     ]);
     scene.images.push(Image {
-        name: String::new(),
         width: 4,
         height: 1,
         pixels: Some(Pixels::Rgba8(alphas.map(texel).to_vec())),
+        ..Image::default()
     });
     scene.textures.push(Texture {
         filter: Filter::Nearest,

@@ -144,10 +144,10 @@ fn a_mostly_black_texture_lights_as_what_is_lit_of_it() {
     let is_lit = |i: usize| matches!((i % 8, i / 8), (3 | 4, 3 | 4));
     let texel = |i| [if is_lit(i) { 255 } else { 0 }; 4];
     scene.images.push(Image {
-        name: String::new(),
         width: 8,
         height: 8,
         pixels: Some(Pixels::Rgba8((0..64).map(texel).collect())),
+        ..Image::default()
     });
     scene.textures.push(Texture {
         filter: Filter::Nearest,

@@ -283,3 +283,37 @@ fn copies_of_a_mesh_share_it_and_show_their_own_materials() {
         assert_eq!(found["center"][0]["hit"]["material"], name, "{found}");
     }
 }
+
+#[test]
+fn images_are_kept_as_finely_as_they_are_seen() {
+    let folder = tempfile::tempdir().unwrap();
+    let courtyard = model("courtyard.glb");
+    let args = [
+        "render",
+        &courtyard,
+        "--integrator",
+        "albedo",
+        "--spp",
+        "1",
+        "--quiet",
+        "--json",
+    ];
+    let run = |size: &str, more: &[&str], output: &str| {
+        let own = ["--resolution", size, "-o", output];
+        let ran = bspray(folder.path(), &[&args[..], &own, more].concat());
+        assert_eq!(ran.code, Some(0), "{ran:?}");
+        let value: Value = serde_json::from_str(&ran.stdout).unwrap();
+        let pixels = std::fs::read(folder.path().join(output)).unwrap();
+        (used(&value, "decoded_image_bytes"), pixels)
+    };
+    let ((held, kept), small) = run("64x36", &[], "small.png");
+    assert!(0 < kept && kept < held / 2, "{kept} of {held}");
+    let (all, exhaustive) = run("64x36", &["--exhaustive"], "exhaustive.png");
+    assert_eq!(all, (held, held));
+    assert_eq!(small, exhaustive);
+    // A larger picture shows more, and layers want all.
+    let ((_, finer), _) = run("640x360", &[], "large.png");
+    assert!(kept < finer, "{kept} {finer}");
+    let layers = ["-o", "layers.exr"];
+    assert_eq!(run("64x36", &layers, "beside.png").0, (held, held));
+}

@@ -8,6 +8,7 @@ mod meshes;
 mod model;
 mod nodes;
 mod packed;
+mod shown;
 mod skins;
 mod variants;
 mod verdicts;

@@ -11,7 +11,7 @@ pub use watched::{Used, Watched};
 
 use crate::accel::BuildStats;
 use crate::render::Textures;
-use crate::scene::{Image, Pixels, Scene, TriangleMesh};
+use crate::scene::{Image, Scene, TriangleMesh};
 
 /// So many of a kind are in the scene, and so many of them were used.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -41,7 +41,7 @@ pub struct Needs {
     pub decoded_images: Share,
     /// Bytes of corners, normals and all else that meshes have.
     pub mesh_bytes: Share,
-    /// Bytes of pixels that were read.
+    /// Bytes of pixels that were read; used are those of the levels that are kept, of images that were used.
     pub image_bytes: Share,
     /// Bytes of the coarser levels of images, if all were there; used are those that were built.
     pub level_bytes: Share,
@@ -87,7 +87,10 @@ impl Needs {
             images: count(&is_image_used),
             decoded_images: count(&decoded),
             mesh_bytes: sum(&scene.meshes, &is_mesh_used, mesh_bytes),
-            image_bytes: sum(&scene.images, &is_image_used, image_bytes),
+            image_bytes: Share {
+                held: scene.images.iter().map(Image::whole_bytes).sum(),
+                used: sum(&scene.images, &is_image_used, Image::bytes).used,
+            },
             level_bytes: Share {
                 held: textures.whole_memory(scene),
                 used: textures.memory(),
@@ -132,16 +135,5 @@ fn mesh_bytes(mesh: &TriangleMesh) -> u64 {
         + size_of_val(&*mesh.colors)
         + size_of_val(&*mesh.triangles)
         + sets;
-    bytes as u64
-}
-
-/// Bytes of an image's pixels; 0 if they were not read.
-fn image_bytes(image: &Image) -> u64 {
-    let bytes = match &image.pixels {
-        None => 0,
-        Some(Pixels::Rgba8(pixels)) => size_of_val(&**pixels),
-        Some(Pixels::Rgba16(pixels)) => size_of_val(&**pixels),
-        Some(Pixels::RgbaF32(pixels)) => size_of_val(&**pixels),
-    };
     bytes as u64
 }

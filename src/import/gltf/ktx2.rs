@@ -72,6 +72,7 @@ fn read(name: &str, bytes: &[u8]) -> Result<Image, String> {
         width,
         height,
         pixels: Some(Pixels::Rgba8(rgba)),
+        ..Image::default()
     })
 }
 

@@ -38,7 +38,7 @@ mod views;
 use std::collections::BTreeSet;
 use std::path::Path;
 
-use glam::{DAffine3, Vec3};
+use glam::DAffine3;
 use rayon::prelude::*;
 
 use self::document::Document;
@@ -49,7 +49,7 @@ use self::texture::Textures;
 use super::budget::Budget;
 use super::line::one_line;
 use super::smooth::smooth;
-use super::{FileRead, ImportError, ImportOptions, TextureNeeds, images};
+use super::{FileRead, ImportError, ImportOptions, ShownImages, TextureNeeds, images};
 use crate::geometry::Aabb;
 use crate::geometry::tolerance::COORDINATE_LIMIT;
 use crate::scene::{Defect, DefectCause, Instance, Scene, TriangleMesh};
@@ -59,6 +59,7 @@ pub(super) fn load(
     file: &Path,
     bytes: &[u8],
     options: &ImportOptions,
+    shown: Option<&ShownImages>,
     budget: &Budget,
 ) -> Result<FileRead, ImportError> {
     let mut notes = Notes::new(file);
@@ -107,7 +108,7 @@ pub(super) fn load(
         let count = document.root.materials.len() + 1;
         scene.materials = vec![material::default_material(); count];
     } else {
-        read_materials(&document, options.textures, &mut scene, &mut notes);
+        read_materials(&document, options.textures, shown, &mut scene, &mut notes);
         for mesh in &mut scene.meshes {
             let charge = smooth_charge(mesh, options);
             let charged = budget.charge(charge, || format!("mesh {:?}", mesh.name));
@@ -180,16 +181,7 @@ fn place(
         None => scene.meshes[mesh as usize].name.clone(),
     };
     let instance = Instance::new(name, mesh, world_from_object);
-    let corner = |i: usize| {
-        let choose = |bit: usize, low, high| if i & bit == 0 { low } else { high };
-        let (min, max) = (object.min, object.max);
-        instance.world_point(Vec3::new(
-            choose(1, min.x, max.x),
-            choose(2, min.y, max.y),
-            choose(4, min.z, max.z),
-        ))
-    };
-    let world: Aabb = (0..8).map(corner).collect();
+    let world = instance.world_bounds(&object);
     let extreme = world.min.abs().max(world.max.abs()).max_element();
     if extreme <= COORDINATE_LIMIT {
         scene.instances.push(instance);
@@ -231,25 +223,39 @@ fn object_box(mesh: &TriangleMesh) -> Aabb {
     mesh.positions.iter().copied().collect()
 }
 
-/// Reads the materials, under the file's numbers, and of the textures those that the meshes show and that are needed.
-fn read_materials(document: &Document, needs: TextureNeeds, scene: &mut Scene, notes: &mut Notes) {
+/// Reads the materials, under the file's numbers, and of the textures those that the meshes show and that are needed, as finely as they are shown.
+fn read_materials(
+    document: &Document,
+    needs: TextureNeeds,
+    shown: Option<&ShownImages>,
+    scene: &mut Scene,
+    notes: &mut Notes,
+) {
     let root = &document.root;
     let parts = scene.meshes.iter().flat_map(|m| &m.parts);
     let used: BTreeSet<usize> = parts.map(|p| p.material as usize).collect();
-    let mut shown = BTreeSet::new();
+    let mut read = BTreeSet::new();
     for material in used.iter().filter_map(|&m| root.materials.get(m)) {
-        material::shown_textures(material, needs, &mut shown);
+        material::shown_textures(material, needs, &mut read);
     }
-    let textures = Textures::read(document, &shown, notes);
-    let materials = root.materials.iter().enumerate();
-    scene.materials = materials
-        .map(|(i, m)| material::read(m, i, &textures))
-        .collect();
+    let materials = |textures: &Textures| {
+        let materials = root.materials.iter().enumerate();
+        let materials = materials.map(|(i, m)| material::read(m, i, textures));
+        let plain = used.contains(&root.materials.len());
+        let plain = plain.then(material::default_material);
+        materials.chain(plain).collect()
+    };
+    let detail = shown.map(|shown| {
+        let found = Textures::find(document);
+        scene.materials = materials(&found);
+        scene.textures = found.textures;
+        scene.images = found.images;
+        shown(scene)
+    });
+    let textures = Textures::read(document, &read, &detail.unwrap_or_default(), notes);
+    scene.materials = materials(&textures);
     for (material, json) in scene.materials.iter_mut().zip(&root.materials) {
         material::mark_lost_color(material, json, &textures, notes);
-    }
-    if used.contains(&root.materials.len()) {
-        scene.materials.push(material::default_material());
     }
     let materials = scene.materials.iter();
     let is_marked = materials

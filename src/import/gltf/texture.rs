@@ -15,7 +15,7 @@ use super::ktx2;
 use super::notes::Notes;
 use super::uri::{self, Target};
 use crate::import::images;
-use crate::scene::{Filter, Image, Texture, TextureRef, UvTransform, Wrap};
+use crate::scene::{Filter, Image, ShownDetail, Texture, TextureRef, UvTransform, Wrap};
 
 /// `gltf-json` has this for a texture without source.
 const NO_SOURCE: usize = u32::MAX as usize;
@@ -32,11 +32,28 @@ pub(super) struct Textures {
 }
 
 impl Textures {
-    /// Reads the images of the textures `shown`, and looks whether the others are there.
-    pub(super) fn read(document: &Document, shown: &BTreeSet<usize>, notes: &mut Notes) -> Self {
+    /// Looks whether the images are there.
+    pub(super) fn find(document: &Document) -> Self {
+        // They are read later, and then it is said what is amiss.
+        let mut notes = Notes::new(document.file);
+        Self::read(document, &BTreeSet::new(), &[], &mut notes)
+    }
+
+    /// Reads the images of the textures `shown`, each of the `detail` that is shown of it if that is known, and looks whether the others are there.
+    pub(super) fn read(
+        document: &Document,
+        shown: &BTreeSet<usize>,
+        detail: &[Option<ShownDetail>],
+        notes: &mut Notes,
+    ) -> Self {
         let root = &document.root;
-        let mut choices = Choices::new(root);
-        while choices.read_more(document, shown) {}
+        let mut choices = Choices::made(document, shown, detail);
+        if !detail.is_empty()
+            && choices.chosen != Choices::made(document, &BTreeSet::new(), &[]).chosen
+        {
+            // An image that cannot be decoded: its fallback stands in, of which other things were known.
+            choices = Choices::made(document, shown, &[]);
+        }
 
         let causes = choices.read.iter().enumerate();
         for (i, cause) in causes.filter_map(|(i, r)| Some((i, r.as_ref()?.as_ref().err()?))) {
@@ -64,8 +81,8 @@ impl Textures {
         }
         let read = choices.read.into_iter().enumerate();
         let images = read.map(|(i, read)| match read {
-            Some(Ok(mut image)) => {
-                if let Some(mended) = images::mend(&mut image) {
+            Some(Ok((image, mended))) => {
+                if let Some(mended) = mended {
                     notes.add(label("image", i, root.images[i].name.as_ref()), mended);
                 }
                 image
@@ -115,10 +132,20 @@ struct Choices {
     /// The place in `sources` of the choice of each texture; behind their end where none can be had.
     chosen: Vec<usize>,
     /// The images as far as they were looked at; without pixels if nothing shows them so far.
-    read: Vec<Option<Result<Image, String>>>,
+    read: Vec<Option<Result<ImageRead, String>>>,
 }
 
+/// An image, and what was mended in it.
+type ImageRead = (Image, Option<String>);
+
 impl Choices {
+    /// With the images read of the textures `shown`, each of its `detail`.
+    fn made(document: &Document, shown: &BTreeSet<usize>, detail: &[Option<ShownDetail>]) -> Self {
+        let mut choices = Self::new(&document.root);
+        while choices.read_more(document, shown, detail) {}
+        choices
+    }
+
     /// All textures choose the best of their images that the file has.
     fn new(root: &Root) -> Self {
         let mut choices = Self {
@@ -145,7 +172,12 @@ impl Choices {
 
     /// Reads the images that are chosen, with pixels those of the textures `shown`. Whether there were any that were not
     /// read before. As an image is read twice at most, and three are named by a texture, this is soon over.
-    fn read_more(&mut self, document: &Document, shown: &BTreeSet<usize>) -> bool {
+    fn read_more(
+        &mut self,
+        document: &Document,
+        shown: &BTreeSet<usize>,
+        detail: &[Option<ShownDetail>],
+    ) -> bool {
         let mut is_shown_of: BTreeMap<usize, bool> = BTreeMap::new();
         for texture in 0..self.sources.len() {
             if let Some(image) = self.image(texture) {
@@ -154,7 +186,7 @@ impl Choices {
         }
         is_shown_of.retain(|&image, &mut is_shown| match &self.read[image] {
             None => true,
-            Some(Ok(image)) => is_shown && image.pixels.is_none(),
+            Some(Ok((image, _))) => is_shown && image.pixels.is_none(),
             Some(Err(_)) => false,
         });
         let images: Vec<(usize, bool)> = is_shown_of.into_iter().collect();
@@ -162,10 +194,10 @@ impl Choices {
             .par_iter()
             .with_max_len(1)
             .map(|&(image, is_shown)| match is_shown {
-                true => read_image(document, image),
-                false => find_image(document, image),
+                true => read_image(document, image, detail.get(image).copied().flatten()),
+                false => find_image(document, image).map(|image| (image, None)),
             });
-        let read: Vec<Result<Image, String>> = read.collect();
+        let read: Vec<Result<ImageRead, String>> = read.collect();
         for (&(image, _), read) in images.iter().zip(read) {
             self.read[image] = Some(read);
         }
@@ -239,7 +271,12 @@ fn empty_image(document: &Document, index: usize) -> Image {
     }
 }
 
-fn read_image(document: &Document, index: usize) -> Result<Image, String> {
+/// The image, mended, with the levels that are shown.
+fn read_image(
+    document: &Document,
+    index: usize,
+    shown: Option<ShownDetail>,
+) -> Result<ImageRead, String> {
     let image = &document.root.images[index];
     let name = image_name(document, index);
     let element = || label("image", index, image.name.as_ref());
@@ -249,7 +286,12 @@ fn read_image(document: &Document, index: usize) -> Result<Image, String> {
             true => ktx2::decode(&name, bytes, charge),
             false => images::decode(&name, bytes, charge),
         };
-        decoded.map_err(|cause| format!("cannot be decoded: {cause}"))
+        let mut image = decoded.map_err(|cause| format!("cannot be decoded: {cause}"))?;
+        let mended = images::mend(&mut image);
+        if let Some(shown) = shown {
+            image.keep(shown);
+        }
+        Ok((image, mended))
     };
     match (&image.buffer_view, &image.uri) {
         (Some(view), _) => decode(document.view(view.value())?.0),

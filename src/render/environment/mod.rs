@@ -20,8 +20,8 @@ pub use atmosphere::Daylight;
 use distribution::{Distribution, Place};
 use sun::SunDisc;
 
-use super::texel::fetch;
 use super::texture::{ColorSpace, bilinear};
+use crate::scene::fetch;
 use crate::scene::{Filter, Image, Pixels, Sky, Texture, Wrap};
 
 /// Light that arrives from one direction, chosen at random.

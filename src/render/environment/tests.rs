@@ -12,10 +12,10 @@ fn one_bright(x: u32, y: u32) -> Image {
     let mut pixels = vec![[0.01, 0.01, 0.01, 1.0]; 16 * 8];
     pixels[(y * 16 + x) as usize] = [500.0, 300.0, 100.0, 1.0];
     Image {
-        name: String::new(),
         width: 16,
         height: 8,
         pixels: Some(Pixels::RgbaF32(pixels)),
+        ..Image::default()
     }
 }
 

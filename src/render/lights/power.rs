@@ -130,10 +130,10 @@ mod tests {
                 ..Texture::default()
             }],
             images: vec![Image {
-                name: String::new(),
                 width: 64,
                 height: 32,
                 pixels: Some(Pixels::Rgba8((0..64 * 32).map(pixel).collect())),
+                ..Image::default()
             }],
             ..Scene::default()
         }

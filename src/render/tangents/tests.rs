@@ -38,10 +38,10 @@ fn square(pixel: impl Fn(u32, u32) -> [f32; 4]) -> Scene {
         }],
         textures: vec![Texture::default()],
         images: vec![Image {
-            name: String::new(),
             width: 32,
             height: 32,
             pixels: Some(Pixels::RgbaF32(pixels)),
+            ..Image::default()
         }],
         ..Scene::default()
     }

@@ -12,11 +12,11 @@
 //! of no size, shadows are sharp: then the pixels of the nearest surface of all count for every mesh. Sun, sky and emitters have a size. Far from the caster, where receivers may be nearer to the eye, its shadow is
 //! soft: of the sun's width, 0.53 degrees, half a pixel (0.03 degrees at 720 rows of 40 degrees) is 5 %.
 
-use glam::{DVec3, Vec3};
+use glam::DVec3;
 
 use super::DetailOptions;
 use super::chunks::Piece;
-use crate::geometry::{Aabb, Triangle};
+use crate::geometry::Triangle;
 use crate::scene::{CameraFrame, Instance, LightKind, Material, Scene, TriangleMesh};
 
 /// By how much lenses and concave mirrors may magnify.
@@ -144,22 +144,22 @@ impl Budget {
     ) -> f64 {
         let mut pixel = self.pixel(piece, mesh, instance, uses);
         if let Some(nearest) = self.nearest {
-            let bounds = world_bounds(&piece.bounds, instance);
-            let grown = |light: &Sharp| light.reach / distance_to(&bounds, light.place);
+            let bounds = instance.world_bounds(&piece.bounds);
+            let grown = |light: &Sharp| light.reach / bounds.distance(light.place);
             let grown = self.lights.iter().map(grown).fold(1.0, f64::max);
             pixel = pixel.min(nearest / grown);
         }
-        let error = self.pixels * pixel / self.magnified / greatest_scale(instance);
+        let error = self.pixels * pixel / self.magnified / instance.greatest_scale();
         if error.is_finite() { error } else { 0.0 }
     }
 
     /// Width of the least pixel that can lie on a piece, in model units.
     fn pixel(&self, piece: &Piece, mesh: &TriangleMesh, instance: &Instance, uses: usize) -> f64 {
-        let bounds = world_bounds(&piece.bounds, instance);
+        let bounds = instance.world_bounds(&piece.bounds);
         let diagonal = f64::from(bounds.diagonal());
         let is_cheap = piece.len() <= MOST_PLACED / uses.max(1);
         let pixel = |eye: &Eye| {
-            let mut distance = distance_to(&bounds, eye.place);
+            let mut distance = bounds.distance(eye.place);
             if distance < diagonal && is_cheap {
                 let triangles = piece.triangles();
                 let nearest = triangles.map(|triangle| {
@@ -176,77 +176,11 @@ impl Budget {
     }
 }
 
-/// The box of a box's corners as they are placed.
-fn world_bounds(bounds: &Aabb, instance: &Instance) -> Aabb {
-    let corner = |i: u32| {
-        let side = |axis: usize| [bounds.min, bounds.max][(i >> axis & 1) as usize][axis];
-        instance.world_point(Vec3::new(side(0), side(1), side(2)))
-    };
-    match bounds.is_empty() {
-        true => Aabb::EMPTY,
-        false => (0..8).map(corner).collect(),
-    }
-}
-
-/// Distance of a point from a box; infinite from an empty one.
-fn distance_to(bounds: &Aabb, point: DVec3) -> f64 {
-    if bounds.is_empty() {
-        return f64::INFINITY;
-    }
-    let [min, max] = [bounds.min, bounds.max].map(Vec3::as_dvec3);
-    (min - point).max(point - max).max(DVec3::ZERO).length()
-}
-
-/// By how much a placement lengthens at most: its matrix's greatest singular value, the root of the greatest eigenvalue of `MᵀM` (Smith 1961, "Eigenvalues of a Symmetric 3 × 3 Matrix").
-fn greatest_scale(instance: &Instance) -> f64 {
-    let m = instance.world_from_object.matrix3;
-    let s = m.transpose() * m;
-    let mean = (s.x_axis.x + s.y_axis.y + s.z_axis.z) / 3.0;
-    let off = s.x_axis.y * s.x_axis.y + s.x_axis.z * s.x_axis.z + s.y_axis.z * s.y_axis.z;
-    let diagonal = DVec3::new(s.x_axis.x, s.y_axis.y, s.z_axis.z) - mean;
-    let spread = ((diagonal.length_squared() + 2.0 * off) / 6.0).sqrt();
-    if spread <= mean * f64::EPSILON {
-        return mean.sqrt();
-    }
-    let shifted = (s - glam::DMat3::from_diagonal(DVec3::splat(mean))) * (1.0 / spread);
-    let angle = libm::acos((shifted.determinant() / 2.0).clamp(-1.0, 1.0)) / 3.0;
-    (mean + 2.0 * spread * libm::cos(angle)).sqrt()
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::scene::{Camera, Light, Projection};
-    use glam::{DAffine3, DMat3};
-
-    fn placed(matrix: DMat3) -> Instance {
-        Instance::new("", 0, DAffine3::from_mat3(matrix))
-    }
-
-    #[test]
-    fn the_greatest_scale_is_the_longest_image_of_a_unit_vector() {
-        let turn = DMat3::from_rotation_y(0.7) * DMat3::from_rotation_x(-1.1);
-        let other = DMat3::from_rotation_z(2.0);
-        let stretch = DMat3::from_diagonal(DVec3::new(0.5, 3.0, -2.0));
-        let shear = DMat3::from_cols_array(&[1.0, 0.0, 0.0, 2.0, 1.0, 0.0, 0.5, -1.0, 1.0]);
-        assert!((greatest_scale(&placed(turn * 2.5)) - 2.5).abs() < 1e-12);
-        assert!((greatest_scale(&placed(turn * stretch * other)) - 3.0).abs() < 1e-9);
-        for matrix in [shear, turn * shear * stretch] {
-            let directions = (0..40_000).map(|i| {
-                let (s, c) = libm::sincos(f64::from(i % 200) * 0.0314159);
-                let z = f64::from(i / 200) / 100.0 - 1.0;
-                DVec3::new((1.0 - z * z).sqrt() * c, (1.0 - z * z).sqrt() * s, z)
-            });
-            let longest = directions
-                .map(|d| (matrix * d).length())
-                .fold(0.0, f64::max);
-            let found = greatest_scale(&placed(matrix));
-            assert!(
-                longest <= found && found < longest * 1.001,
-                "{found} {longest}"
-            );
-        }
-    }
+    use glam::{DAffine3, DMat3, Vec3};
 
     /// A triangle at a depth of 4 to 6 before the camera.
     fn scene(lights: Vec<Light>) -> Scene {

@@ -4,8 +4,8 @@ use std::sync::LazyLock;
 
 use glam::Vec4;
 
+use super::{ColorSpace, Pixels};
 use crate::picture::srgb;
-use crate::scene::{ColorSpace, Pixels};
 
 /// Each 8-bit code as a share of 1.
 static UNIT_OF_U8: LazyLock<[f32; 256]> =
@@ -16,7 +16,7 @@ static LINEAR_OF_U16: LazyLock<Vec<f32>> =
     LazyLock::new(|| (0..=u16::MAX).map(srgb::linear_of_u16).collect());
 
 /// A texel's linear value.
-pub(super) fn fetch(pixels: &Pixels, index: usize, space: ColorSpace) -> Vec4 {
+pub(crate) fn fetch(pixels: &Pixels, index: usize, space: ColorSpace) -> Vec4 {
     match pixels {
         Pixels::Rgba8(p) => of_u8(p[index], table(space)),
         Pixels::Rgba16(p) => of_u16(p[index], space),
@@ -25,7 +25,7 @@ pub(super) fn fetch(pixels: &Pixels, index: usize, space: ColorSpace) -> Vec4 {
 }
 
 /// The texels of two columns and two rows (their offset in the image): upper left, upper right, lower left, lower right.
-pub(super) fn fetch_four(
+pub(crate) fn fetch_four(
     pixels: &Pixels,
     columns: [usize; 2],
     rows: [usize; 2],

@@ -6,30 +6,30 @@
 //!
 //! One thread builds them: it may hold a lock, and if it waited for others to help it would take up work of theirs that waits for that lock.
 
-use glam::{Vec2, Vec4};
+use glam::Vec4;
 
 use super::texel::{Encoder, fetch};
-use super::texture::{ColorSpace, bilinear};
+use super::{ColorSpace, Pixels};
 use crate::picture::srgb;
-use crate::scene::{Pixels, Texture};
 
 /// All levels of an image but the finest, which is the image itself.
 #[derive(Debug)]
-pub(super) struct Pyramid {
-    space: ColorSpace,
+pub(crate) struct Pyramid {
     /// Ever smaller, down to one texel; empty for an image of one texel.
     levels: Vec<Level>,
 }
 
+/// A level of detail.
 #[derive(Debug)]
-struct Level {
-    size: (u32, u32),
-    pixels: Pixels,
+pub(crate) struct Level {
+    /// Width and height in pixels.
+    pub(crate) size: (u32, u32),
+    pub(crate) pixels: Pixels,
 }
 
 impl Pyramid {
     /// The levels of an image of `size` (width and height in pixels) whose numbers mean `space`.
-    pub(super) fn new(pixels: &Pixels, size: (u32, u32), space: ColorSpace) -> Self {
+    pub(crate) fn new(pixels: &Pixels, size: (u32, u32), space: ColorSpace) -> Self {
         let mut levels: Vec<Level> = Vec::new();
         let mut last = size;
         while last.0 > 1 || last.1 > 1 {
@@ -38,17 +38,17 @@ impl Pyramid {
             last = level.size;
             levels.push(level);
         }
-        Self { space, levels }
+        Self { levels }
     }
 
     /// Bytes of the levels.
-    pub(super) fn memory(&self) -> u64 {
+    pub(crate) fn memory(&self) -> u64 {
         let levels = self.levels.iter();
         levels.map(|level| bytes(&level.pixels, level.size)).sum()
     }
 
     /// Bytes that the levels of an image would have.
-    pub(super) fn memory_of(pixels: &Pixels, mut size: (u32, u32)) -> u64 {
+    pub(crate) fn memory_of(pixels: &Pixels, mut size: (u32, u32)) -> u64 {
         let mut sum = 0;
         while size.0 > 1 || size.1 > 1 {
             size = coarser(size);
@@ -57,32 +57,15 @@ impl Pyramid {
         sum
     }
 
-    /// The value at coordinates `at` of the image (0 to 1 along each side), on a level above 0, mixed of the levels beside it.
-    pub(super) fn lookup(
-        &self,
-        finest: (&Pixels, (u32, u32)),
-        sampled: &Texture,
-        at: Vec2,
-        level: f32,
-    ) -> Vec4 {
-        let level = level.min(self.levels.len() as f32);
-        let finer = level as usize;
-        let value = |index: usize| {
-            let (pixels, size) = match index.checked_sub(1) {
-                None => finest,
-                Some(below) => {
-                    let level = &self.levels[below.min(self.levels.len() - 1)];
-                    (&level.pixels, level.size)
-                }
-            };
-            bilinear(pixels, size, sampled, at, self.space)
-        };
-        let share = level - finer as f32;
-        if share <= 0.0 {
-            return value(finer);
-        }
-        value(finer).lerp(value(finer + 1), share)
+    /// Those below the image, the finest first.
+    pub(crate) fn levels(&self) -> &[Level] {
+        &self.levels
     }
+}
+
+/// The next coarser level of an image of `size`; `None` for one of a single texel.
+pub(super) fn below(pixels: &Pixels, size: (u32, u32), space: ColorSpace) -> Option<Pixels> {
+    (size.0 > 1 || size.1 > 1).then(|| Level::below(pixels, size, space).pixels)
 }
 
 /// The size of the next coarser level.
@@ -91,7 +74,7 @@ fn coarser(size: (u32, u32)) -> (u32, u32) {
 }
 
 /// Bytes of an image of this size, of texels of this kind.
-fn bytes(kind: &Pixels, size: (u32, u32)) -> u64 {
+pub(super) fn bytes(kind: &Pixels, size: (u32, u32)) -> u64 {
     let texel = match kind {
         Pixels::Rgba8(_) => 4,
         Pixels::Rgba16(_) => 8,
