@@ -20,7 +20,7 @@ pub fn shadow_ray(stage: &Stage, surface: &Surface, sampler: &mut Sampler) -> Op
         Some(incident) => *incident,
         None if emitters && choice == punctual.len() => {
             let which = sampler.next_1d();
-            lights.emitter(stage, surface.position, which, sampler.next_2d())?
+            lights.emitter(stage, &surface.receiver(stage), which, sampler.next_2d())?
         }
         None => {
             let (environment, numbers) = (environment?, sampler.next_2d());

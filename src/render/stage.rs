@@ -177,10 +177,11 @@ impl<'a> Stage<'a> {
         self
     }
 
-    /// With all rays sent, also those that can bring little. Otherwise these are sent with a chance, which leaves the mean of every pixel as it is.
+    /// With all rays sent, also those that can bring little, and emitters chosen by their power, whether they reach a place or not. Otherwise these are sent, and chosen, with a chance, which leaves the mean of every pixel as it is.
     #[must_use]
     pub fn exhaustively(mut self) -> Self {
         self.thrift = Thrift::Off;
+        self.lights = self.lights.by_power();
         self
     }
 

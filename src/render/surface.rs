@@ -3,6 +3,7 @@
 use glam::{Vec2, Vec3, Vec4};
 
 use super::facets::{Facets, StagedFacet};
+use super::lights::Receiver;
 use super::ray_cone::RayCone;
 use super::stage::Stage;
 use super::texture::ColorSpace;
@@ -182,6 +183,19 @@ impl Surface {
         } else {
             0.0
         };
+    }
+
+    /// The surface as lights see it.
+    pub(super) fn receiver(&self, stage: &Stage) -> Receiver {
+        let passes = stage.has_transmission && self.material(stage).transmission.is_some();
+        Receiver {
+            position: self.position,
+            normal: if passes {
+                Vec3::ZERO
+            } else {
+                self.geometric_normal
+            },
+        }
     }
 
     /// Where a ray that leaves towards `direction` starts: on its side of the surface, clear of rounding.

@@ -78,7 +78,10 @@ pub(super) fn lights(
         // Three numbers: the choice of the triangle, and the point on it.
         let choice = sampler.next_1d();
         let point = sampler.next_2d();
-        if let Some(incident) = stage.lights.emitter(stage, surface.position, choice, point) {
+        if let Some(incident) = stage
+            .lights
+            .emitter(stage, &surface.receiver(stage), choice, point)
+        {
             add(incident);
         }
     }

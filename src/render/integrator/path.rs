@@ -7,7 +7,7 @@ use super::media::Media;
 use super::{LightSearch, MOST_LAYERS, Radiance, shadow_ray_to, visibility};
 use crate::geometry::{Ray, RayOrigin};
 use crate::render::bsdf::{ScatterKind, Scattering};
-use crate::render::lights::Incident;
+use crate::render::lights::{Incident, Receiver};
 use crate::render::ray_cone::RayCone;
 use crate::render::sampler::Sampler;
 use crate::render::stage::Stage;
@@ -57,7 +57,7 @@ impl Limits {
 /// Where the last ray of a path came from, as far as lights that it meets need to know.
 #[derive(Clone, Copy)]
 struct From {
-    position: Vec3,
+    receiver: Receiver,
     /// Density with which the ray was chosen, per steradian.
     density: f32,
 }
@@ -126,7 +126,7 @@ pub(super) fn shade(
             path.throughput /= chance;
         }
         let from = From {
-            position: surface.position,
+            receiver: surface.receiver(stage),
             density: next.density,
         };
         let kind = match next.kind {
@@ -148,7 +148,7 @@ pub(super) fn shade(
         (surface, material) = hit;
         if material.emission != Vec3::ZERO {
             let lights = &stage.lights;
-            let density = lights.emitter_density(surface.hit, from.position, surface.position);
+            let density = lights.emitter_density(surface.hit, &from.receiver, surface.position);
             let share = limits.weight(from.density, density, false);
             path.radiance += path.throughput * material.emission * share;
         }
@@ -223,7 +223,7 @@ impl Path {
         if lights.has_emitters() {
             let choice = sampler.next_1d();
             let place = sampler.next_2d();
-            if let Some(incident) = lights.emitter(stage, surface.position, choice, place) {
+            if let Some(incident) = lights.emitter(stage, &surface.receiver(stage), choice, place) {
                 add(tracer, sampler, incident);
             }
         }

@@ -10,7 +10,7 @@ use glam::Vec3;
 use super::media::Media;
 use super::{MOST_LAYERS, NEARLY_OPAQUE, Radiance, first_visible, shadow_ray_to};
 use crate::geometry::{Ray, RayOrigin};
-use crate::render::lights::Incident;
+use crate::render::lights::{Incident, Receiver};
 use crate::render::ray_cone::RayCone;
 use crate::render::sampler::Sampler;
 use crate::render::stage::Stage;
@@ -78,7 +78,7 @@ impl Whitted<'_, '_, '_> {
 
         let mut direct = material.emission;
         if depth <= self.max_depth {
-            for incident in self.lights(surface.position) {
+            for incident in self.lights(&surface.receiver(self.stage)) {
                 let (value, _) = bsdf.evaluate(incident.direction);
                 if value != Vec3::ZERO {
                     let shadow = shadow_ray_to(surface, &incident, depth);
@@ -157,13 +157,13 @@ impl Whitted<'_, '_, '_> {
     }
 
     /// Light from all punctual lights, a point of the emissive triangles and one of the sun.
-    fn lights(&mut self, point: Vec3) -> Vec<Incident> {
+    fn lights(&mut self, receiver: &Receiver) -> Vec<Incident> {
         let lights = &self.stage.lights;
-        let mut all: Vec<_> = lights.punctual(point).collect();
+        let mut all: Vec<_> = lights.punctual(receiver.position).collect();
         if lights.has_emitters() {
             let choice = self.sampler.next_1d();
             let place = self.sampler.next_2d();
-            all.extend(lights.emitter(self.stage, point, choice, place));
+            all.extend(lights.emitter(self.stage, receiver, choice, place));
         }
         if let Some(environment) = &self.stage.environment {
             let found = environment.sample_sun(self.sampler.next_2d());

@@ -2,7 +2,8 @@
 
 use glam::Vec3;
 
-use super::{Incident, power};
+use super::tree::{Source, Tree};
+use super::{Incident, Receiver, power};
 use crate::accel::Hit;
 use crate::geometry::{Ray, Triangle};
 use crate::render::stage::{Stage, StagedInstance};
@@ -51,12 +52,14 @@ struct Run {
     first_emitter: u32,
 }
 
-/// All of a scene, chosen by their power.
+/// All of a scene.
 #[derive(Debug, Default)]
 pub(super) struct Emitters {
     emitters: Vec<Emitter>,
-    /// For each emitter, the power of it and all before it, as a share of the whole.
-    cumulative: Vec<f64>,
+    /// The power of each, up to a factor that all have in common.
+    powers: Vec<f64>,
+    /// Which is asked for light.
+    tree: Tree,
     /// By instance, then by triangle.
     runs: Vec<Run>,
 }
@@ -73,46 +76,36 @@ impl Emitters {
                 power::of_triangles(scene, textures, run.instance, &triangles)
             })
             .collect();
-        let total: f64 = powers.iter().sum();
-        if total <= 0.0 {
+        if powers.iter().sum::<f64>() <= 0.0 {
             return Self::default();
         }
-        let mut sum = 0.0;
-        let share = |power: f64| {
-            sum += power;
-            sum / total
-        };
         Self {
-            cumulative: powers.into_iter().map(share).collect(),
+            tree: Tree::new(&sources(&emitters, &powers)),
             emitters,
+            powers,
             runs,
         }
+    }
+
+    /// With emitters chosen by their power alone.
+    pub(super) fn by_power(mut self) -> Self {
+        self.tree = Tree::by_power(&sources(&self.emitters, &self.powers));
+        self
     }
 
     pub(super) fn count(&self) -> usize {
         self.emitters.len()
     }
 
-    /// The chance with which an emitter is chosen.
-    fn chance(&self, index: usize) -> f32 {
-        let before = match index {
-            0 => 0.0,
-            index => self.cumulative[index - 1],
-        };
-        (self.cumulative[index] - before) as f32
-    }
-
     /// Light from a point of an emitter, chosen with the numbers given. There must be emitters.
     pub(super) fn sample(
         &self,
         stage: &Stage,
-        point: Vec3,
+        receiver: &Receiver,
         choice: f32,
         [u, v]: [f32; 2],
     ) -> Option<Incident> {
-        let choice = f64::from(choice);
-        let index = self.cumulative.partition_point(|&c| c <= choice);
-        let index = index.min(self.emitters.len() - 1);
+        let (index, chance) = self.tree.choose(receiver, choice);
         let emitter = &self.emitters[index];
         // Uniform over the triangle: Turk's square root (Graphics Gems, 1990).
         let root = u.sqrt();
@@ -120,24 +113,24 @@ impl Emitters {
         let [a, b, c] = *emitter.triangle.corners();
         let place = a * weights[0] + b * weights[1] + c * weights[2];
         let normal = emitter.normal?;
-        let to_light = place - point;
+        let to_light = place - receiver.position;
         let squared = to_light.length_squared();
         let direction = to_light / squared.sqrt();
         let facing = direction.dot(normal);
         let target = place - normal * emitter.offset.copysign(facing);
-        let density = squared * self.chance(index) / (facing.abs() * emitter.area);
+        let density = squared * chance / (facing.abs() * emitter.area);
         Incident {
             direction,
             target: Some(target),
-            irradiance: emitter.radiance(stage, &Ray::new(point, to_light)) / density,
+            irradiance: emitter.radiance(stage, &Ray::new(receiver.position, to_light)) / density,
             density,
         }
         .if_lit()
     }
 
-    /// The density, per steradian, with which [`Emitters::sample`] chooses the direction from `point` to a hit at `place`. 0 where the
+    /// The density, per steradian, with which [`Emitters::sample`] chooses the direction from a receiver to a hit at `place`. 0 where the
     /// hit is on no emitter.
-    pub(super) fn density(&self, hit: Hit, point: Vec3, place: Vec3) -> f32 {
+    pub(super) fn density(&self, hit: Hit, receiver: &Receiver, place: Vec3) -> f32 {
         let after = self
             .runs
             .partition_point(|r| (r.instance, r.first_triangle) <= (hit.instance, hit.triangle));
@@ -153,11 +146,21 @@ impl Emitters {
         let Some(normal) = emitter.normal else {
             return 0.0;
         };
-        let to_light = place - point;
+        let to_light = place - receiver.position;
         let squared = to_light.length_squared();
         let facing = (to_light / squared.sqrt()).dot(normal).abs();
-        squared * self.chance(index) / (facing * emitter.area)
+        squared * self.tree.chance(index, receiver) / (facing * emitter.area)
     }
+}
+
+fn sources(emitters: &[Emitter], powers: &[f64]) -> Vec<Source> {
+    let sources = emitters.iter().zip(powers);
+    let source = |(emitter, &power): (&Emitter, &f64)| Source {
+        bounds: emitter.triangle.bounds(),
+        normal: emitter.normal.unwrap_or_default(),
+        power,
+    };
+    sources.map(source).collect()
 }
 
 fn find(scene: &Scene, staged: &[StagedInstance]) -> (Vec<Emitter>, Vec<Run>) {

@@ -3,6 +3,7 @@
 mod emitters;
 mod power;
 mod punctual;
+mod tree;
 
 use glam::Vec3;
 
@@ -43,6 +44,14 @@ impl Incident {
     }
 }
 
+/// Where light is needed.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Receiver {
+    pub(super) position: Vec3,
+    /// Unit normal of the side that light counts on; zero where it counts on both.
+    pub(super) normal: Vec3,
+}
+
 /// The lights of a scene.
 #[derive(Debug)]
 pub struct Lights {
@@ -56,6 +65,14 @@ impl Lights {
         Self {
             punctual: scene.lights.clone(),
             emitters: Emitters::new(scene, instances, textures),
+        }
+    }
+
+    /// With emitters chosen by their power alone, wherever light is needed.
+    pub(super) fn by_power(self) -> Self {
+        Self {
+            emitters: self.emitters.by_power(),
+            ..self
         }
     }
 
@@ -121,20 +138,20 @@ impl Lights {
         Some(incident)
     }
 
-    /// Light from a point of an emissive triangle, chosen by power with the numbers given. There must be emitters.
+    /// Light from a point of an emissive triangle, chosen with the numbers given by how much light each may send to the receiver. There must be emitters.
     pub(super) fn emitter(
         &self,
         stage: &Stage,
-        point: Vec3,
+        receiver: &Receiver,
         choice: f32,
         place: [f32; 2],
     ) -> Option<Incident> {
-        self.emitters.sample(stage, point, choice, place)
+        self.emitters.sample(stage, receiver, choice, place)
     }
 
-    /// The density with which [`Lights::emitter`] chooses the direction from `point` to a hit at `place` on an emitter.
-    pub(super) fn emitter_density(&self, hit: Hit, point: Vec3, place: Vec3) -> f32 {
-        self.emitters.density(hit, point, place)
+    /// The density with which [`Lights::emitter`] chooses the direction from a receiver to a hit at `place` on an emitter.
+    pub(super) fn emitter_density(&self, hit: Hit, receiver: &Receiver, place: Vec3) -> f32 {
+        self.emitters.density(hit, receiver, place)
     }
 }
 

@@ -1,0 +1,590 @@
+//! Which emitter light is asked of, by where it is needed: a tree over all of them, whose nodes know where their emitters are, how much light they send and which way they face.
+//!
+//! Conty Estévez and Kulla 2018, "Importance Sampling of Many Lights with Adaptive Tree Splitting", in the form of pbrt-v4 (Pharr, Jakob and Humphreys 2023, section 12.6.3): at every node the
+//! choice goes by what light could arrive at most of either side. Ours send light from both sides, so which way they face is a cone of lines. Nobody is left out: what can bring
+//! little is chosen seldom.
+
+use std::f32::consts::{FRAC_PI_2, PI};
+
+use glam::Vec3;
+
+use super::Receiver;
+use crate::geometry::Aabb;
+
+/// Emitters of a leaf at most: they are chosen by power alone.
+const LEAF: usize = 4;
+
+/// Places at which a node may be divided along each axis.
+const BINS: usize = 12;
+
+/// Least share of the light that a node is thought to send, whichever way it faces and the receiver does: bounds are of single precision, and of shading normals the receiver's
+/// own knows nothing.
+const LEAST_COSINE: f32 = 0.02;
+
+/// Least chance of either side of a node.
+const LEAST_SHARE: f32 = 1e-6;
+
+/// The greatest number below 1.
+const BELOW_ONE: f64 = 1.0 - f64::EPSILON / 2.0;
+
+/// An emitter, as the tree sees it.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Source {
+    pub(super) bounds: Aabb,
+    /// Unit normal, of either side; zero if there is none.
+    pub(super) normal: Vec3,
+    pub(super) power: f64,
+}
+
+/// A tree over all emitters of a scene.
+#[derive(Debug, Default)]
+pub(super) struct Tree {
+    /// The root first, the two sides of a node next to each other.
+    nodes: Vec<Node>,
+    /// The numbers of the emitters, those of a leaf next to each other.
+    order: Vec<u32>,
+    /// For each place in that order, the power up to it, as a share of its leaf's.
+    cumulative: Vec<f64>,
+    /// The place in that order of each emitter, and its leaf.
+    places: Vec<(u32, u32)>,
+}
+
+#[derive(Clone, Copy, Debug)]
+struct Node {
+    reach: Reach,
+    /// 0 for the root, which has none.
+    parent: u32,
+    /// Of a leaf, its first place in the order; else the first of its sides.
+    first: u32,
+    /// Emitters of a leaf; 0 for others.
+    count: u32,
+}
+
+/// Where a node's light comes from.
+#[derive(Clone, Copy, Debug)]
+struct Reach {
+    /// The sphere around its box.
+    center: Vec3,
+    radius: f32,
+    /// Around which line the normals lie, and the cosine of how far from it.
+    axis: Vec3,
+    cosine: f32,
+    power: f32,
+}
+
+impl Tree {
+    /// With emitters close to each other side by side.
+    pub(super) fn new(sources: &[Source]) -> Self {
+        Self::build(sources, LEAF)
+    }
+
+    /// All are chosen by their power, wherever light is needed.
+    pub(super) fn by_power(sources: &[Source]) -> Self {
+        Self::build(sources, sources.len())
+    }
+
+    fn build(sources: &[Source], leaf: usize) -> Self {
+        let mut tree = Self {
+            order: (0..sources.len() as u32).collect(),
+            ..Self::default()
+        };
+        if sources.is_empty() {
+            return tree;
+        }
+        let mut open = vec![(0, 0..sources.len())];
+        tree.nodes
+            .push(Node::of(Group::over(sources, &tree.order), 0));
+        while let Some((node, places)) = open.pop() {
+            if places.len() <= leaf {
+                tree.nodes[node].first = places.start as u32;
+                tree.nodes[node].count = places.len() as u32;
+                continue;
+            }
+            let first = tree.nodes.len();
+            tree.nodes[node].first = first as u32;
+            let (count, sides) = divide(sources, &mut tree.order[places.clone()]);
+            let middle = places.start + count;
+            tree.nodes
+                .extend(sides.map(|side| Node::of(side, node as u32)));
+            open.extend([
+                (first, places.start..middle),
+                (first + 1, middle..places.end),
+            ]);
+        }
+        tree.cumulative = vec![0.0; sources.len()];
+        tree.places = vec![(0, 0); sources.len()];
+        for (number, node) in tree.nodes.iter().enumerate().filter(|(_, n)| n.count > 0) {
+            let places = node.first as usize..(node.first + node.count) as usize;
+            let power = |place: usize| sources[tree.order[place] as usize].power;
+            let total: f64 = places.clone().map(power).sum();
+            let mut sum = 0.0;
+            for place in places.clone() {
+                sum += power(place);
+                tree.cumulative[place] = if total > 0.0 {
+                    sum / total
+                } else {
+                    (place - places.start + 1) as f64 / f64::from(node.count)
+                };
+                tree.places[tree.order[place] as usize] = (place as u32, number as u32);
+            }
+        }
+        tree
+    }
+
+    /// An emitter, chosen for a receiver with a number, and the chance that it had. There must be one.
+    pub(super) fn choose(&self, receiver: &Receiver, choice: f32) -> (usize, f32) {
+        let mut choice = f64::from(choice);
+        let (mut node, mut chance) = (&self.nodes[0], 1.0_f32);
+        while node.count == 0 {
+            let share = self.first_share(node, receiver);
+            let (side, of_side) = match choice < f64::from(share) {
+                true => (0, share),
+                false => (1, 1.0 - share),
+            };
+            let before = f64::from(share) * f64::from(side);
+            choice = ((choice - before) / f64::from(of_side)).clamp(0.0, BELOW_ONE);
+            chance *= of_side;
+            node = &self.nodes[(node.first + side) as usize];
+        }
+        let (first, count) = (node.first as usize, node.count as usize);
+        let within = self.cumulative[first..first + count].partition_point(|&c| c <= choice);
+        let place = first + within.min(count - 1);
+        (
+            self.order[place] as usize,
+            chance * self.share_of_leaf(node, place),
+        )
+    }
+
+    /// The chance with which [`Tree::choose`] chooses an emitter.
+    pub(super) fn chance(&self, emitter: usize, receiver: &Receiver) -> f32 {
+        let (place, leaf) = self.places[emitter];
+        let mut number = leaf;
+        let mut chance = self.share_of_leaf(&self.nodes[number as usize], place as usize);
+        while number > 0 {
+            let parent = &self.nodes[self.nodes[number as usize].parent as usize];
+            let share = self.first_share(parent, receiver);
+            chance *= if number == parent.first {
+                share
+            } else {
+                1.0 - share
+            };
+            number = self.nodes[number as usize].parent;
+        }
+        chance
+    }
+
+    fn share_of_leaf(&self, leaf: &Node, place: usize) -> f32 {
+        let before = match place == leaf.first as usize {
+            true => 0.0,
+            false => self.cumulative[place - 1],
+        };
+        (self.cumulative[place] - before) as f32
+    }
+
+    /// The chance of the first side of a node.
+    #[inline]
+    fn first_share(&self, node: &Node, receiver: &Receiver) -> f32 {
+        let first = node.first as usize;
+        let [a, b] = [first, first + 1].map(|side| self.nodes[side].reach.light_at(receiver));
+        let share = a / (a + b);
+        match share.is_finite() {
+            true => share.clamp(LEAST_SHARE, 1.0 - LEAST_SHARE),
+            // Nothing from either, or more than a number holds.
+            false => 0.5,
+        }
+    }
+}
+
+impl Node {
+    fn of(group: Group, parent: u32) -> Self {
+        Self {
+            reach: group.reach(),
+            parent,
+            first: 0,
+            count: 0,
+        }
+    }
+}
+
+impl Reach {
+    /// About how much light arrives at a receiver at most.
+    #[inline]
+    fn light_at(&self, receiver: &Receiver) -> f32 {
+        let away = receiver.position - self.center;
+        let squared = away.length_squared();
+        let least = self.radius * self.radius;
+        if squared <= least {
+            return self.power / least;
+        }
+        let direction = away / squared.sqrt();
+        // The angle under which the sphere is seen.
+        let seen = Angle::of_sine(self.radius / squared.sqrt());
+        let facing = Angle::of_cosine(direction.dot(self.axis).abs());
+        let facing = facing.less(Angle::of_cosine(self.cosine)).less(seen);
+        let arriving = match receiver.normal == Vec3::ZERO {
+            true => 1.0,
+            false => {
+                Angle::of_cosine(-direction.dot(receiver.normal))
+                    .less(seen)
+                    .cosine
+            }
+        };
+        self.power * facing.cosine.max(LEAST_COSINE) * arriving.max(LEAST_COSINE) / squared
+    }
+}
+
+/// An angle of 0 to half a turn.
+#[derive(Clone, Copy)]
+struct Angle {
+    sine: f32,
+    cosine: f32,
+}
+
+impl Angle {
+    fn of_cosine(cosine: f32) -> Self {
+        let cosine = cosine.clamp(-1.0, 1.0);
+        Self {
+            sine: (1.0 - cosine * cosine).max(0.0).sqrt(),
+            cosine,
+        }
+    }
+
+    /// The one that is not obtuse.
+    fn of_sine(sine: f32) -> Self {
+        let sine = sine.min(1.0);
+        Self {
+            sine,
+            cosine: (1.0 - sine * sine).max(0.0).sqrt(),
+        }
+    }
+
+    /// As much smaller, but no less than nothing.
+    fn less(self, other: Self) -> Self {
+        if self.cosine > other.cosine {
+            return Self {
+                sine: 0.0,
+                cosine: 1.0,
+            };
+        }
+        Self {
+            sine: self.sine * other.cosine - self.cosine * other.sine,
+            cosine: self.cosine * other.cosine + self.sine * other.sine,
+        }
+    }
+}
+
+/// Some emitters, as far as dividing them goes.
+#[derive(Clone, Copy, Debug)]
+struct Group {
+    bounds: Aabb,
+    power: f64,
+    /// Unit vector of the line in the middle of the normals, and how far from it they are at most, in radians; negative without any.
+    axis: Vec3,
+    angle: f32,
+}
+
+impl Default for Group {
+    fn default() -> Self {
+        Self {
+            bounds: Aabb::EMPTY,
+            power: 0.0,
+            axis: Vec3::ZERO,
+            angle: -1.0,
+        }
+    }
+}
+
+impl Group {
+    fn over(sources: &[Source], ids: &[u32]) -> Self {
+        let all = ids.iter().map(|&id| Self::of(&sources[id as usize]));
+        all.fold(Self::default(), Self::with)
+    }
+
+    fn of(source: &Source) -> Self {
+        Self {
+            bounds: source.bounds,
+            power: source.power,
+            axis: source.normal,
+            angle: if source.normal == Vec3::ZERO {
+                -1.0
+            } else {
+                0.0
+            },
+        }
+    }
+
+    fn with(self, other: Self) -> Self {
+        let (axis, angle) = lines_around((self.axis, self.angle), (other.axis, other.angle));
+        Self {
+            bounds: self.bounds.union(other.bounds),
+            power: self.power + other.power,
+            axis,
+            angle,
+        }
+    }
+
+    fn reach(&self) -> Reach {
+        Reach {
+            center: self.bounds.center(),
+            radius: self.bounds.diagonal() / 2.0,
+            axis: self.axis,
+            cosine: if self.angle < 0.0 {
+                0.0
+            } else {
+                libm::cosf(self.angle)
+            },
+            power: self.power as f32,
+        }
+    }
+
+    /// What choosing among them costs (Conty Estévez and Kulla, equation 1): the power, times the area of the box, times the solid angle that they send light to.
+    fn cost(&self) -> f64 {
+        if self.angle < 0.0 {
+            return 0.0;
+        }
+        // Light goes up to a right angle from the normals.
+        let most = (self.angle + FRAC_PI_2).min(PI);
+        let (s, c) = libm::sincosf(self.angle);
+        let beyond =
+            2.0 * most * s - libm::cosf(self.angle - 2.0 * most) - 2.0 * self.angle * s + c;
+        let solid = 2.0 * PI * (1.0 - c) + FRAC_PI_2 * beyond;
+        self.power * f64::from(solid) * f64::from(self.bounds.surface_area())
+    }
+}
+
+/// The narrowest cone of lines around two; each is the unit vector of its middle and an angle, negative for no line.
+fn lines_around((axis, angle): (Vec3, f32), (other, of_other): (Vec3, f32)) -> (Vec3, f32) {
+    if of_other < 0.0 {
+        return (axis, angle);
+    }
+    if angle < 0.0 {
+        return (other, of_other);
+    }
+    let other = if axis.dot(other) < 0.0 { -other } else { other };
+    let between = libm::acosf(axis.dot(other).min(1.0));
+    if between + of_other <= angle {
+        return (axis, angle);
+    }
+    if between + angle <= of_other {
+        return (other, of_other);
+    }
+    let both = ((angle + between + of_other) / 2.0).min(FRAC_PI_2);
+    let turned = both - angle;
+    let across = (other - axis * axis.dot(other)).normalize_or_zero();
+    if both >= FRAC_PI_2 || across == Vec3::ZERO {
+        // All lines.
+        return (axis, FRAC_PI_2);
+    }
+    let (s, c) = libm::sincosf(turned);
+    ((axis * c + across * s).normalize(), both)
+}
+
+/// Sorts emitters into two sides, where choosing among them costs least. Gives how many are on the first, and both.
+fn divide(sources: &[Source], ids: &mut [u32]) -> (usize, [Group; 2]) {
+    let center = |id: u32| sources[id as usize].bounds.center();
+    let centers: Aabb = ids.iter().map(|&id| center(id)).collect();
+    let bounds = ids.iter().map(|&id| sources[id as usize].bounds);
+    let extent = bounds.fold(Aabb::EMPTY, Aabb::union).extent();
+    let bin = |id: u32, axis: usize| {
+        let share = (center(id)[axis] - centers.min[axis]) / centers.extent()[axis];
+        ((share * BINS as f32) as usize).min(BINS - 1)
+    };
+    let mut best = None;
+    let mut least = f64::INFINITY;
+    for axis in (0..3).filter(|&axis| centers.extent()[axis] > 0.0) {
+        let mut bins = [Group::default(); BINS];
+        for &id in ids.iter() {
+            let into = &mut bins[bin(id, axis)];
+            *into = into.with(Group::of(&sources[id as usize]));
+        }
+        // Thin boxes are to be cut across.
+        let shape = f64::from(extent.max_element() / extent[axis]);
+        let mut below = [Group::default(); BINS];
+        let mut sum = Group::default();
+        for (below, bin) in below.iter_mut().zip(bins) {
+            sum = sum.with(bin);
+            *below = sum;
+        }
+        let mut above = Group::default();
+        for cut in (1..BINS).rev() {
+            above = above.with(bins[cut]);
+            let cost = shape * (below[cut - 1].cost() + above.cost());
+            if cost < least && !below[cut - 1].bounds.is_empty() && !above.bounds.is_empty() {
+                least = cost;
+                best = Some((axis, cut, [below[cut - 1], above]));
+            }
+        }
+    }
+    let Some((axis, cut, sides)) = best else {
+        // All at one place.
+        let count = ids.len() / 2;
+        let (one, other) = ids.split_at(count);
+        return (count, [one, other].map(|ids| Group::over(sources, ids)));
+    };
+    let (one, other): (Vec<u32>, Vec<u32>) = ids.iter().partition(|&&id| bin(id, axis) < cut);
+    ids[..one.len()].copy_from_slice(&one);
+    ids[one.len()..].copy_from_slice(&other);
+    (one.len(), sides)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::Vec2;
+
+    /// A number without order, 0 to 1.
+    fn part(i: u32, factor: u32) -> f32 {
+        (i.wrapping_mul(factor) % 9973) as f32 / 9973.0
+    }
+
+    fn direction(i: u32) -> Vec3 {
+        let z = 2.0 * part(i, 7919) - 1.0;
+        let around = Vec2::from_angle(7.0 * part(i, 131)) * (1.0 - z * z).sqrt();
+        around.extend(z)
+    }
+
+    /// Small emitters all over a wide hall, of very different powers, each facing some way.
+    fn hall(count: u32) -> Vec<Source> {
+        let source = |i: u32| {
+            let place = Vec3::new(part(i, 2903), 0.1 * part(i, 31), part(i, 4001)) * 100.0;
+            Source {
+                bounds: [place, place + direction(i + 7).abs() * 0.3]
+                    .into_iter()
+                    .collect(),
+                normal: if i % 50 == 3 {
+                    Vec3::ZERO
+                } else {
+                    direction(i)
+                },
+                power: f64::from(part(i, 57) * part(i, 57)) * 9.0,
+            }
+        };
+        (0..count).map(source).collect()
+    }
+
+    fn receivers() -> impl Iterator<Item = Receiver> {
+        (0..60).map(|i| Receiver {
+            position: Vec3::new(part(i, 17), 0.2 * part(i, 29) - 0.05, part(i, 41)) * 110.0,
+            normal: if i % 7 == 0 {
+                Vec3::ZERO
+            } else {
+                direction(3 * i)
+            },
+        })
+    }
+
+    #[test]
+    fn chances_are_those_of_the_choices_and_sum_to_one() {
+        for count in [1, 4, 5, 300] {
+            let sources = hall(count);
+            for tree in [Tree::new(&sources), Tree::by_power(&sources)] {
+                for receiver in receivers() {
+                    let chances = (0..count as usize).map(|e| tree.chance(e, &receiver));
+                    let chances: Vec<f32> = chances.collect();
+                    let sum: f32 = chances.iter().sum();
+                    assert!((sum - 1.0).abs() < 1e-4, "{sum}");
+                    let mut found = vec![0.0_f32; count as usize];
+                    let n = 20_000;
+                    for i in 0..n {
+                        let (chosen, chance) = tree.choose(&receiver, (i as f32 + 0.5) / n as f32);
+                        assert!((chance / chances[chosen] - 1.0).abs() < 1e-5);
+                        found[chosen] += 1.0 / n as f32;
+                    }
+                    for (found, chance) in found.iter().zip(&chances) {
+                        assert!((found - chance).abs() < 2e-4, "{found} for {chance}");
+                    }
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn no_emitter_has_no_chance() {
+        let sources = hall(1000);
+        let tree = Tree::new(&sources);
+        for receiver in receivers() {
+            for (emitter, source) in sources.iter().enumerate() {
+                let chance = tree.chance(emitter, &receiver);
+                assert!(chance > 0.0 || source.power == 0.0, "{source:?}");
+            }
+        }
+    }
+
+    /// Light that arrives from an emitter in the middle of its box.
+    fn light(source: &Source, receiver: &Receiver) -> f64 {
+        let way = source.bounds.center() - receiver.position;
+        let direction = way.normalize();
+        let facing = direction.dot(source.normal).abs();
+        let arriving = match receiver.normal == Vec3::ZERO {
+            true => 1.0,
+            false => direction.dot(receiver.normal).max(0.0),
+        };
+        source.power * f64::from(facing * arriving / way.length_squared())
+    }
+
+    #[test]
+    fn of_many_emitters_those_that_reach_a_place_are_chosen() {
+        let sources = hall(1000);
+        let (tree, plain) = (Tree::new(&sources), Tree::by_power(&sources));
+        let (mut ours, mut theirs) = (0.0, 0.0);
+        for receiver in receivers() {
+            let lights: Vec<f64> = sources.iter().map(|s| light(s, &receiver)).collect();
+            let all: f64 = lights.iter().sum();
+            if all == 0.0 {
+                // From below the hall, looking down.
+                continue;
+            }
+            // The variance of one choice, over the square of what arrives.
+            let variance = |tree: &Tree| {
+                let second = lights.iter().enumerate().filter(|(_, l)| **l > 0.0);
+                let second = second.map(|(e, l)| l * l / f64::from(tree.chance(e, &receiver)));
+                second.sum::<f64>() / (all * all) - 1.0
+            };
+            ours += variance(&tree);
+            theirs += variance(&plain);
+        }
+        assert!(ours * 20.0 < theirs, "{ours} {theirs}");
+    }
+
+    #[test]
+    fn a_cone_of_lines_holds_those_that_it_was_made_of() {
+        for i in 0..500 {
+            let mut cone = (Vec3::ZERO, -1.0);
+            let lines: Vec<Vec3> = (0..i % 9)
+                .map(|k| {
+                    let near = (direction(i) + direction(99 * i + k) * part(i, 7)).normalize();
+                    if k % 2 == 0 { near } else { -near }
+                })
+                .collect();
+            for line in &lines {
+                cone = lines_around(cone, (*line, 0.0));
+            }
+            for line in &lines {
+                let angle = libm::acosf(line.dot(cone.0).abs().min(1.0));
+                assert!(angle <= cone.1 + 2e-3, "{angle} {cone:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn emitters_at_one_place_and_of_no_power_are_survived() {
+        let source = Source {
+            bounds: [Vec3::ONE].into_iter().collect(),
+            normal: Vec3::ZERO,
+            power: 0.0,
+        };
+        let tree = Tree::new(&[source; 33]);
+        for position in [Vec3::ONE, Vec3::ZERO] {
+            let receiver = Receiver {
+                position,
+                normal: Vec3::Y,
+            };
+            let chances = (0..33).map(|emitter| tree.chance(emitter, &receiver));
+            assert!((chances.sum::<f32>() - 1.0).abs() < 1e-5);
+            for choice in [0.0, 0.3, 0.999_999_9] {
+                let (chosen, chance) = tree.choose(&receiver, choice);
+                assert_eq!(chance, tree.chance(chosen, &receiver));
+            }
+        }
+    }
+}
