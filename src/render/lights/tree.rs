@@ -66,9 +66,9 @@ struct Reach {
     /// The sphere around its box.
     center: Vec3,
     radius: f32,
-    /// Around which line the normals lie, and the cosine of how far from it.
+    /// Around which line the normals lie, and how far from it at most.
     axis: Vec3,
-    cosine: f32,
+    cone: Angle,
     power: f32,
 }
 
@@ -208,7 +208,7 @@ impl Node {
 
 impl Reach {
     /// About how much light arrives at a receiver at most.
-    #[inline]
+    #[inline(always)]
     fn light_at(&self, receiver: &Receiver) -> f32 {
         let away = receiver.position - self.center;
         let squared = away.length_squared();
@@ -216,59 +216,62 @@ impl Reach {
         if squared <= least {
             return self.power / least;
         }
-        let direction = away / squared.sqrt();
+        let near = 1.0 / squared;
+        let inverse = near.sqrt();
+        let direction = away * inverse;
         // The angle under which the sphere is seen.
-        let seen = Angle::of_sine(self.radius / squared.sqrt());
-        let facing = Angle::of_cosine(direction.dot(self.axis).abs());
-        let facing = facing.less(Angle::of_cosine(self.cosine)).less(seen);
-        let arriving = match receiver.normal == Vec3::ZERO {
-            true => 1.0,
-            false => {
-                Angle::of_cosine(-direction.dot(receiver.normal))
-                    .less(seen)
-                    .cosine
-            }
+        let seen = Angle {
+            sine: self.radius * inverse,
+            cosine: (1.0 - least * near).max(0.0).sqrt(),
         };
-        self.power * facing.cosine.max(LEAST_COSINE) * arriving.max(LEAST_COSINE) / squared
+        let facing = Angle::of_cosine(direction.dot(self.axis).abs().min(1.0));
+        let facing = facing.less(self.cone).cosine_of_less(seen);
+        // A receiver without a normal is thought to face all that there is.
+        let arriving = Angle::of_cosine(-direction.dot(receiver.normal)).cosine_of_less(seen);
+        let arriving = if receiver.normal == Vec3::ZERO {
+            1.0
+        } else {
+            arriving
+        };
+        self.power * near * facing.max(LEAST_COSINE) * arriving.max(LEAST_COSINE)
     }
 }
 
 /// An angle of 0 to half a turn.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, Debug)]
 struct Angle {
     sine: f32,
     cosine: f32,
 }
 
 impl Angle {
+    #[inline(always)]
     fn of_cosine(cosine: f32) -> Self {
-        let cosine = cosine.clamp(-1.0, 1.0);
         Self {
             sine: (1.0 - cosine * cosine).max(0.0).sqrt(),
             cosine,
         }
     }
 
-    /// The one that is not obtuse.
-    fn of_sine(sine: f32) -> Self {
-        let sine = sine.min(1.0);
+    /// As much smaller, but no less than nothing.
+    #[inline(always)]
+    fn less(self, other: Self) -> Self {
+        let is_less = self.cosine > other.cosine;
+        let sine = self.sine * other.cosine - self.cosine * other.sine;
         Self {
-            sine,
-            cosine: (1.0 - sine * sine).max(0.0).sqrt(),
+            sine: if is_less { 0.0 } else { sine },
+            cosine: self.cosine_of_less(other),
         }
     }
 
-    /// As much smaller, but no less than nothing.
-    fn less(self, other: Self) -> Self {
+    /// The cosine of what [`Angle::less`] gives.
+    #[inline(always)]
+    fn cosine_of_less(self, other: Self) -> f32 {
+        let cosine = self.cosine * other.cosine + self.sine * other.sine;
         if self.cosine > other.cosine {
-            return Self {
-                sine: 0.0,
-                cosine: 1.0,
-            };
-        }
-        Self {
-            sine: self.sine * other.cosine - self.cosine * other.sine,
-            cosine: self.cosine * other.cosine + self.sine * other.sine,
+            1.0
+        } else {
+            cosine
         }
     }
 }
@@ -328,11 +331,11 @@ impl Group {
             center: self.bounds.center(),
             radius: self.bounds.diagonal() / 2.0,
             axis: self.axis,
-            cosine: if self.angle < 0.0 {
+            cone: Angle::of_cosine(if self.angle < 0.0 {
                 0.0
             } else {
                 libm::cosf(self.angle)
-            },
+            }),
             power: self.power as f32,
         }
     }
