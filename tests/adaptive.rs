@@ -257,3 +257,82 @@ fn rays_that_are_saved_change_no_mean_and_less_than_the_noise() {
         "{allowed} of {whole} says little"
     );
 }
+
+/// A long floor, seen from below lamps of very different powers, with a wall between each two of them.
+fn street() -> Scene {
+    let grey = Material {
+        base_color: Vec3::splat(0.6).extend(1.0),
+        ..Material::default()
+    };
+    let mut things = vec![(level(0.0, [-0.5, 24.5], [-1.5, 1.5]), grey.clone())];
+    for i in 0..16_u8 {
+        let x = f32::from(i) * 1.5;
+        let power = 4.0 + f32::from(i * 7 % 5) * 6.0;
+        let lamp = Material {
+            emissive: Vec3::new(power, 9.0, 13.0 - power / 3.0),
+            ..Material::default()
+        };
+        things.push((level(1.0, [x, x + 0.25], [-0.2, 0.3]), lamp));
+        let corner = |y: f32, z: f32| Vec3::new(x + 0.9, y, z);
+        let wall = [
+            corner(0.0, -1.5),
+            corner(0.0, 1.5),
+            corner(1.4, 1.5),
+            corner(1.4, -1.5),
+        ];
+        things.push((quad(wall), grey.clone()));
+    }
+    let mut scene = scenes::scene(things);
+    scene.cameras.push(Camera {
+        name: String::new(),
+        position: Vec3::new(12.0, 0.9, 0.0),
+        focal_point: Vec3::new(12.0, 0.0, 0.0),
+        view_up: Vec3::NEG_Z,
+        projection: Projection::Orthographic { height: 13.0 },
+    });
+    scene
+}
+
+#[test]
+fn lamps_that_do_not_reach_a_place_are_asked_less_and_the_mean_stays() {
+    let scene = street();
+    let accelerator = AcceleratorKind::Bsp.build(&scene);
+    let stage = || Stage::new(&scene, &*accelerator, Vec3::Y, SkyMode::Off);
+    let stages = [stage(), stage().exhaustively()];
+    let camera = scene.cameras[0].frame(SIZE.0, SIZE.1).expect("a camera");
+    let never = std::sync::atomic::AtomicBool::new(false);
+    for integrator in [PATH, Integrator::Direct] {
+        let seeds = 24_u32;
+        let take = |stage: &Stage, seed| {
+            let options = RenderOptions {
+                seed,
+                ..options(SIZE, 16, integrator)
+            };
+            let film = render(stage, &camera, &options, &never);
+            film.map(|pixel| f64::from(pixel.mean().color.element_sum()))
+        };
+        let pictures = stages
+            .each_ref()
+            .map(|stage| (0..seeds).map(|seed| take(stage, seed)).collect::<Vec<_>>());
+        let values = |way: usize, pixel: usize| pictures[way].iter().map(move |p| p[pixel]);
+        let mean = |way, pixel| values(way, pixel).sum::<f64>() / f64::from(seeds);
+        // Of each way, the sum of all mean pixels, and that of their variances.
+        let [(ours, noise), (theirs, of_power)] = [0, 1].map(|way| {
+            let variance = |pixel: usize| {
+                let mean = mean(way, pixel);
+                let squares = values(way, pixel).map(|v| (v - mean).powi(2)).sum::<f64>();
+                squares / f64::from(seeds - 1)
+            };
+            let pixels = 0..pictures[way][0].len();
+            let means = pixels.clone().map(|pixel| mean(way, pixel)).sum::<f64>();
+            (means, pixels.map(variance).sum::<f64>())
+        });
+        let n = f64::from(seeds);
+        println!("{integrator:?}: {ours} {theirs}, noise {noise} {of_power}");
+        assert!(8.0 * noise < of_power, "{integrator:?}: {noise} {of_power}");
+        // Pixels are independent: the variance of their sum is the sum of theirs.
+        let allowed = 3.5 * ((noise + of_power) / n).sqrt();
+        assert!((ours - theirs).abs() < allowed, "{ours} {theirs} {allowed}");
+        assert!(allowed < 0.02 * theirs, "{allowed} of {theirs} says little");
+    }
+}

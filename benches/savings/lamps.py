@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Makes a house of many rooms, each with a lamp of its own: `lamps.py SIDE OUT.glb`.
 
-SIDE by SIDE rooms of 4 by 4 units, 3 high, with doors in all inner walls, a table in each, and a square lamp under each ceiling, of eight colours and powers. A camera in a room sees
+SIDE by SIDE rooms of 4 by 4 units, 3 high, with doors in all inner walls, a table in each, and a square lamp that hangs in each, of eight colours and powers. A camera in a room sees
 some others through the doors. Two triangles a lamp send light, so that 20 by 20 rooms have 800.
 """
 import json
@@ -45,7 +45,7 @@ def house(side):
         parts[WOOD] += quad((x, 0.8, z), (x + 0.9, 0.8, z), (x + 0.9, 0.8, z + 0.9), (x, 0.8, z + 0.9))
         # Number by number, so that neighbours differ.
         lamp = 2 + (i * 5 + i // side * 3) % len(LAMPS)
-        x, z, y = x + 1.2, z + 1.2, HEIGHT - 0.1
+        x, z, y = x + 1.2, z + 1.2, HEIGHT - 0.8
         parts.setdefault(lamp, []).extend(quad((x, y, z), (x + 0.4, y, z), (x + 0.4, y, z + 0.4), (x, y, z + 0.4)))
     return parts
 

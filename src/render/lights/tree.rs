@@ -11,8 +11,8 @@ use glam::Vec3;
 use super::Receiver;
 use crate::geometry::Aabb;
 
-/// Emitters of a leaf at most: they are chosen by power alone.
-const LEAF: usize = 4;
+/// How much longer than the longest of its emitters the box of a leaf is at most: those that are side by side, as the faces of one lamp, are chosen by power alone.
+const COMPACT: f32 = 2.0;
 
 /// Places at which a node may be divided along each axis.
 const BINS: usize = 12;
@@ -66,6 +66,8 @@ struct Reach {
     /// The sphere around its box.
     center: Vec3,
     radius: f32,
+    /// Half the edges of the box.
+    half: Vec3,
     /// Around which line the normals lie, and how far from it at most.
     axis: Vec3,
     cone: Angle,
@@ -75,15 +77,15 @@ struct Reach {
 impl Tree {
     /// With emitters close to each other side by side.
     pub(super) fn new(sources: &[Source]) -> Self {
-        Self::build(sources, LEAF)
+        Self::build(sources, |group| group.is_compact())
     }
 
     /// All are chosen by their power, wherever light is needed.
     pub(super) fn by_power(sources: &[Source]) -> Self {
-        Self::build(sources, sources.len())
+        Self::build(sources, |_| true)
     }
 
-    fn build(sources: &[Source], leaf: usize) -> Self {
+    fn build(sources: &[Source], is_leaf: impl Fn(&Group) -> bool) -> Self {
         let mut tree = Self {
             order: (0..sources.len() as u32).collect(),
             ..Self::default()
@@ -91,11 +93,11 @@ impl Tree {
         if sources.is_empty() {
             return tree;
         }
-        let mut open = vec![(0, 0..sources.len())];
-        tree.nodes
-            .push(Node::of(Group::over(sources, &tree.order), 0));
-        while let Some((node, places)) = open.pop() {
-            if places.len() <= leaf {
+        let all = Group::over(sources, &tree.order);
+        tree.nodes.push(Node::of(&all, 0));
+        let mut open = vec![(0, 0..sources.len(), all)];
+        while let Some((node, places, group)) = open.pop() {
+            if places.len() == 1 || is_leaf(&group) {
                 tree.nodes[node].first = places.start as u32;
                 tree.nodes[node].count = places.len() as u32;
                 continue;
@@ -105,11 +107,10 @@ impl Tree {
             let (count, sides) = divide(sources, &mut tree.order[places.clone()]);
             let middle = places.start + count;
             tree.nodes
-                .extend(sides.map(|side| Node::of(side, node as u32)));
-            open.extend([
-                (first, places.start..middle),
-                (first + 1, middle..places.end),
-            ]);
+                .extend(sides.iter().map(|side| Node::of(side, node as u32)));
+            let places = [places.start..middle, middle..places.end];
+            let below = (first..).zip(places).zip(sides);
+            open.extend(below.map(|((node, places), side)| (node, places, side)));
         }
         tree.cumulative = vec![0.0; sources.len()];
         tree.places = vec![(0, 0); sources.len()];
@@ -196,7 +197,7 @@ impl Tree {
 }
 
 impl Node {
-    fn of(group: Group, parent: u32) -> Self {
+    fn of(group: &Group, parent: u32) -> Self {
         Self {
             reach: group.reach(),
             parent,
@@ -207,6 +208,16 @@ impl Node {
 }
 
 impl Reach {
+    /// The share of the box that is before the receiver; all for one without a normal.
+    #[inline(always)]
+    fn above(&self, receiver: &Receiver) -> f32 {
+        let height = (self.center - receiver.position).dot(receiver.normal);
+        let reach = self.half.dot(receiver.normal.abs());
+        let share = (height + reach) / (2.0 * reach);
+        // No number for a point in the receiver's plane.
+        if share < 1.0 { share.max(0.0) } else { 1.0 }
+    }
+
     /// About how much light arrives at a receiver at most.
     #[inline(always)]
     fn light_at(&self, receiver: &Receiver) -> f32 {
@@ -214,20 +225,22 @@ impl Reach {
         let squared = away.length_squared();
         let least = self.radius * self.radius;
         if squared <= least {
-            return self.power / least;
+            return self.power / least * self.above(receiver).max(LEAST_COSINE);
         }
         let near = 1.0 / squared;
         let inverse = near.sqrt();
         let direction = away * inverse;
-        // The angle under which the sphere is seen.
+        // Half of the angle under which the sphere is seen: its emitters are all around its middle.
+        let sine = 0.5 * self.radius * inverse;
         let seen = Angle {
-            sine: self.radius * inverse,
-            cosine: (1.0 - least * near).max(0.0).sqrt(),
+            sine,
+            cosine: (1.0 - sine * sine).sqrt(),
         };
         let facing = Angle::of_cosine(direction.dot(self.axis).abs().min(1.0));
         let facing = facing.less(self.cone).cosine_of_less(seen);
         // A receiver without a normal is thought to face all that there is.
         let arriving = Angle::of_cosine(-direction.dot(receiver.normal)).cosine_of_less(seen);
+        let arriving = arriving * self.above(receiver);
         let arriving = if receiver.normal == Vec3::ZERO {
             1.0
         } else {
@@ -280,6 +293,8 @@ impl Angle {
 #[derive(Clone, Copy, Debug)]
 struct Group {
     bounds: Aabb,
+    /// Length of the longest emitter's box.
+    longest: f32,
     power: f64,
     /// Unit vector of the line in the middle of the normals, and how far from it they are at most, in radians; negative without any.
     axis: Vec3,
@@ -290,6 +305,7 @@ impl Default for Group {
     fn default() -> Self {
         Self {
             bounds: Aabb::EMPTY,
+            longest: 0.0,
             power: 0.0,
             axis: Vec3::ZERO,
             angle: -1.0,
@@ -306,6 +322,7 @@ impl Group {
     fn of(source: &Source) -> Self {
         Self {
             bounds: source.bounds,
+            longest: source.bounds.diagonal(),
             power: source.power,
             axis: source.normal,
             angle: if source.normal == Vec3::ZERO {
@@ -320,16 +337,22 @@ impl Group {
         let (axis, angle) = lines_around((self.axis, self.angle), (other.axis, other.angle));
         Self {
             bounds: self.bounds.union(other.bounds),
+            longest: self.longest.max(other.longest),
             power: self.power + other.power,
             axis,
             angle,
         }
     }
 
+    fn is_compact(&self) -> bool {
+        self.bounds.diagonal() <= COMPACT * self.longest
+    }
+
     fn reach(&self) -> Reach {
         Reach {
             center: self.bounds.center(),
             radius: self.bounds.diagonal() / 2.0,
+            half: self.bounds.extent() / 2.0,
             axis: self.axis,
             cone: Angle::of_cosine(if self.angle < 0.0 {
                 0.0
@@ -576,7 +599,8 @@ mod tests {
             normal: Vec3::ZERO,
             power: 0.0,
         };
-        let tree = Tree::new(&[source; 33]);
+        let tree = Tree::build(&[source; 33], |_| false);
+        assert!(tree.nodes.len() == 65 && Tree::new(&[source; 33]).nodes.len() == 1);
         for position in [Vec3::ONE, Vec3::ZERO] {
             let receiver = Receiver {
                 position,

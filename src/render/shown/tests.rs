@@ -159,8 +159,8 @@ fn pictures_of_the_levels_that_are_shown_are_those_of_all() {
         focus_distance: 20.0,
     };
     let views = [
-        perspective.clone(),
-        perspective.clone().with_lens(lens),
+        perspective,
+        perspective.with_lens(lens),
         camera(Projection::Orthographic { height: 24.0 }),
         camera(Projection::Panoramic),
     ];
