@@ -320,7 +320,9 @@ fn lamps_that_do_not_reach_a_place_are_asked_less_and_the_mean_stays() {
         let [(ours, noise), (theirs, of_power)] = [0, 1].map(|way| {
             let variance = |pixel: usize| {
                 let mean = mean(way, pixel);
-                let squares = values(way, pixel).map(|v| (v - mean).powi(2)).sum::<f64>();
+                let squares = values(way, pixel)
+                    .map(|v| (v - mean) * (v - mean))
+                    .sum::<f64>();
                 squares / f64::from(seeds - 1)
             };
             let pixels = 0..pictures[way][0].len();

@@ -69,7 +69,7 @@ pub fn uv_per_length([a, b, c]: [Vec3; 3], [p, q, r]: [Vec2; 3]) -> f32 {
 const MOST_ANISOTROPY: f32 = 16.0;
 
 /// How wide a patch of a triangle is in texture coordinates, for each model unit of its width: [`uv_per_length`] where they are not stretched much. A patch that is longer than
-/// [`MOST_ANISOTROPY`] times its width counts as if it were as wide as that, as in graphics hardware (OpenGL's EXT_texture_filter_anisotropic): else triangles whose
+/// 16 times its width counts as if it were as wide as that, as in graphics hardware (OpenGL's EXT_texture_filter_anisotropic): else triangles whose
 /// coordinates lie nearly on a line, as along seams, would be looked up in the finest detail however far they are. 0 for a triangle without an area, and where all coordinates are one point.
 pub fn uv_width_per_length(points: [Vec3; 3], uvs: [Vec2; 3]) -> f32 {
     let ([a, b, c], [p, q, r]) = (points, uvs);

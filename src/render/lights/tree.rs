@@ -17,8 +17,7 @@ const COMPACT: f32 = 2.0;
 /// Places at which a node may be divided along each axis.
 const BINS: usize = 12;
 
-/// Least share of the light that a node is thought to send, whichever way it faces and the receiver does: bounds are of single precision, and of shading normals the receiver's
-/// own knows nothing.
+/// Least cosine that a node and a receiver are thought to face each other with: what is known of both is rough, and shading normals differ from the receiver's.
 const LEAST_COSINE: f32 = 0.02;
 
 /// Least chance of either side of a node.
@@ -70,7 +69,8 @@ struct Reach {
     half: Vec3,
     /// Around which line the normals lie, and how far from it at most.
     axis: Vec3,
-    cone: Angle,
+    cosine: f32,
+    sine: f32,
     power: f32,
 }
 
@@ -218,74 +218,32 @@ impl Reach {
         if share < 1.0 { share.max(0.0) } else { 1.0 }
     }
 
-    /// About how much light arrives at a receiver at most.
+    /// About how much light arrives at a receiver. From nearby, emitters are in other directions than the middle of the sphere is: half of the sine of the angle under which that is seen
+    /// is added to cosines.
     #[inline(always)]
     fn light_at(&self, receiver: &Receiver) -> f32 {
         let away = receiver.position - self.center;
-        let squared = away.length_squared();
-        let least = self.radius * self.radius;
-        if squared <= least {
-            return self.power / least * self.above(receiver).max(LEAST_COSINE);
-        }
-        let near = 1.0 / squared;
+        let (squared, least) = (away.length_squared(), self.radius * self.radius);
+        let near = 1.0 / squared.max(least);
         let inverse = near.sqrt();
-        let direction = away * inverse;
-        // Half of the angle under which the sphere is seen: its emitters are all around its middle.
-        let sine = 0.5 * self.radius * inverse;
-        let seen = Angle {
-            sine,
-            cosine: (1.0 - sine * sine).sqrt(),
+        let spread = match squared < least {
+            // Among them: they may be anywhere.
+            true => 2.0,
+            false => 0.5 * self.radius * inverse,
         };
-        let facing = Angle::of_cosine(direction.dot(self.axis).abs().min(1.0));
-        let facing = facing.less(self.cone).cosine_of_less(seen);
-        // A receiver without a normal is thought to face all that there is.
-        let arriving = Angle::of_cosine(-direction.dot(receiver.normal)).cosine_of_less(seen);
-        let arriving = arriving * self.above(receiver);
+        let facing = away.dot(self.axis).abs() * inverse;
+        let facing = if facing < self.cosine {
+            facing * self.cosine + (1.0 - facing * facing).sqrt() * self.sine
+        } else {
+            1.0
+        };
         let arriving = if receiver.normal == Vec3::ZERO {
             1.0
         } else {
-            arriving
+            (spread - away.dot(receiver.normal) * inverse) * self.above(receiver)
         };
-        self.power * near * facing.max(LEAST_COSINE) * arriving.max(LEAST_COSINE)
-    }
-}
-
-/// An angle of 0 to half a turn.
-#[derive(Clone, Copy, Debug)]
-struct Angle {
-    sine: f32,
-    cosine: f32,
-}
-
-impl Angle {
-    #[inline(always)]
-    fn of_cosine(cosine: f32) -> Self {
-        Self {
-            sine: (1.0 - cosine * cosine).max(0.0).sqrt(),
-            cosine,
-        }
-    }
-
-    /// As much smaller, but no less than nothing.
-    #[inline(always)]
-    fn less(self, other: Self) -> Self {
-        let is_less = self.cosine > other.cosine;
-        let sine = self.sine * other.cosine - self.cosine * other.sine;
-        Self {
-            sine: if is_less { 0.0 } else { sine },
-            cosine: self.cosine_of_less(other),
-        }
-    }
-
-    /// The cosine of what [`Angle::less`] gives.
-    #[inline(always)]
-    fn cosine_of_less(self, other: Self) -> f32 {
-        let cosine = self.cosine * other.cosine + self.sine * other.sine;
-        if self.cosine > other.cosine {
-            1.0
-        } else {
-            cosine
-        }
+        let share = |cosine: f32| cosine.clamp(LEAST_COSINE, 1.0);
+        self.power * near * share(facing + spread) * share(arriving)
     }
 }
 
@@ -349,16 +307,20 @@ impl Group {
     }
 
     fn reach(&self) -> Reach {
+        // Without a normal, all lines.
+        let angle = if self.angle < 0.0 {
+            FRAC_PI_2
+        } else {
+            self.angle
+        };
+        let (sine, cosine) = libm::sincosf(angle);
         Reach {
             center: self.bounds.center(),
             radius: self.bounds.diagonal() / 2.0,
             half: self.bounds.extent() / 2.0,
             axis: self.axis,
-            cone: Angle::of_cosine(if self.angle < 0.0 {
-                0.0
-            } else {
-                libm::cosf(self.angle)
-            }),
+            cosine,
+            sine,
             power: self.power as f32,
         }
     }
