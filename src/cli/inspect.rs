@@ -50,7 +50,7 @@ pub(super) fn run(args: &InspectArgs) -> anyhow::Result<Done> {
     }
     if args.needs.needs {
         let (camera, size) = (&args.extents.camera, args.extents.resolution);
-        return inspect_needs::run(&scene, &args.needs, camera, size, load, args.json);
+        return inspect_needs::run(scene, &args.needs, camera, size, load, args.json);
     }
     let report = report(&scene, &args.input.models);
     output::report(&report, args.json, text)?;

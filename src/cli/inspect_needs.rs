@@ -32,14 +32,14 @@ pub(super) struct InspectNeedsArgs {
 
 /// Tells what a picture uses. Loading took so many seconds.
 pub(super) fn run(
-    scene: &Scene,
+    mut scene: Scene,
     args: &InspectNeedsArgs,
     camera: &CameraArgs,
     size: (u32, u32),
     load: f64,
     as_json: bool,
 ) -> anyhow::Result<Done> {
-    let chosen = camera.choose(scene, size)?;
+    let chosen = camera.choose(&scene, size)?;
     let view = camera_args::view(&chosen, size, 0.0)?;
     let (width, height) = size;
     let options = RenderOptions {
@@ -61,6 +61,9 @@ pub(super) fn run(
         wants_layers: false,
         noise: None,
     };
+    let shown = render::shown_detail(&scene, &[view.camera], &options);
+    scene.keep_shown(&shown);
+    let scene = &scene;
     let started = Instant::now();
     let build = BuildOptions {
         quality: BspQuality::Fast,

@@ -1,11 +1,9 @@
 //! The images that model files name or carry, decoded, and what stands in for those that cannot be had.
 
 use glam::Vec4;
-use rayon::prelude::*;
 
-use super::ShownImages;
 use crate::picture::{PictureError, mend_texels, read_image_if};
-use crate::scene::{Filter, Image, Material, Pixels, Scene, Texture, TextureRef};
+use crate::scene::{Filter, Image, Material, Pixels, Texture, TextureRef};
 
 /// Squares of the stand-in along each side.
 const STAND_IN_SQUARES: u32 = 8;
@@ -30,17 +28,6 @@ pub(super) fn decode(
         name: name.to_owned(),
         ..image
     })
-}
-
-/// Drops the levels of the scene's images that are not shown.
-pub(super) fn keep_shown(scene: &mut Scene, shown: &ShownImages) {
-    let shown = shown(scene);
-    let images = scene.images.par_iter_mut().with_max_len(1);
-    images.zip(shown).for_each(|(image, shown)| {
-        if let Some(shown) = shown {
-            image.keep(shown);
-        }
-    });
 }
 
 /// Mends texels that are no colours, as [`mend_texels`] does, and says so.

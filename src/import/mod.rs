@@ -263,7 +263,8 @@ fn load_all(
         }
         _ => {
             if let Some(shown) = shown.filter(|_| shown_at_once.is_none()) {
-                images::keep_shown(&mut scene, shown);
+                let shown = shown(&scene);
+                scene.keep_shown(&shown);
             }
             Ok(scene)
         }
@@ -344,7 +345,8 @@ fn load_bytes(
         Some(Format::Obj) => {
             let mut scene = obj::load(file, bytes, options, budget)?;
             if let Some(shown) = shown {
-                images::keep_shown(&mut scene, shown);
+                let shown = shown(&scene);
+                scene.keep_shown(&shown);
             }
             scene.into()
         }

@@ -311,6 +311,17 @@ fn images_are_kept_as_finely_as_they_are_seen() {
     let (all, exhaustive) = run("64x36", &["--exhaustive"], "exhaustive.png");
     assert_eq!(all, (held, held));
     assert_eq!(small, exhaustive);
+    // It is told beforehand.
+    let before = [
+        "inspect",
+        &courtyard,
+        "--needs",
+        "--json",
+        "--resolution",
+        "64x36",
+    ];
+    let (told, foretold) = used(&json(&before), "decoded_image_bytes");
+    assert!(told == held && 0 < foretold && foretold < held / 2);
     // A larger picture shows more, and layers want all.
     let ((_, finer), _) = run("640x360", &[], "large.png");
     assert!(kept < finer, "{kept} {finer}");

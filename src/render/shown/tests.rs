@@ -137,11 +137,7 @@ fn bits(scene: &Scene, view: &CameraFrame, options: &RenderOptions) -> Vec<[u32;
 /// The scene with its images as they are shown.
 fn kept(scene: &Scene, shown: &[Option<ShownDetail>]) -> Scene {
     let mut scene = scene.clone();
-    for (image, shown) in scene.images.iter_mut().zip(shown) {
-        if let Some(shown) = shown {
-            image.keep(*shown);
-        }
-    }
+    scene.keep_shown(shown);
     scene
 }
 

@@ -4,7 +4,10 @@ mod levels;
 mod texel;
 
 pub(crate) use levels::Pyramid;
+use rayon::prelude::*;
 pub(crate) use texel::{fetch, fetch_four};
+
+use super::Scene;
 
 /// The pixels of an image, row by row from the top, as RGBA.
 ///
@@ -91,6 +94,18 @@ impl Image {
             self.pixels = Some(coarser);
             self.finest += 1;
         }
+    }
+}
+
+impl Scene {
+    /// Drops of each image the levels that are finer than any that is shown, by the threads of the rayon pool in which it is called.
+    pub fn keep_shown(&mut self, shown: &[Option<ShownDetail>]) {
+        let images = self.images.par_iter_mut().with_max_len(1);
+        images.zip(shown).for_each(|(image, shown)| {
+            if let Some(shown) = shown {
+                image.keep(*shown);
+            }
+        });
     }
 }
 
