@@ -240,11 +240,14 @@ pub(super) fn run(args: &RenderArgs) -> anyhow::Result<Done> {
     };
     let camera = OnceLock::new();
     let shown = |scene: &Scene| {
+        if scene.images.is_empty() {
+            return Vec::new();
+        }
         // What is wrong with a camera is said when the scene is there.
         let Ok(camera) = camera.get_or_init(|| camera_of(scene)) else {
             return Vec::new();
         };
-        let middle = scene.bounds().center().as_dvec3();
+        let middle = shot::middle(scene, &shots);
         let views = shot::views(args, (camera, middle), &shots).unwrap_or_default();
         render::shown_detail(scene, &views, &options(args, scene, window, has_layers))
     };
@@ -283,7 +286,7 @@ pub(super) fn run(args: &RenderArgs) -> anyhow::Result<Done> {
         .context("cannot start threads")?;
     let options = options(args, &scene, window, has_layers);
     args.savings.check(options.integrator)?;
-    let middle = scene.bounds().center().as_dvec3();
+    let middle = shot::middle(&scene, &shots);
     let views = shot::views(args, (&camera, middle), &shots)?;
     let (scene, detail) = pool.install(|| args.savings.simplify(scene, views, args.resolution));
     if let Some(detail) = detail.as_ref().filter(|_| !args.quiet) {
@@ -392,7 +395,8 @@ fn wants<'a>(args: &RenderArgs, has_layers: bool, shown: &'a ShownImages<'a>) ->
     Wants {
         keeps_copies,
         textures,
-        shown: (!shows_all).then_some(shown),
+        // Alpha wants the finest detail in any case.
+        shown: (!shows_all && textures != TextureNeeds::Alpha).then_some(shown),
     }
 }
 

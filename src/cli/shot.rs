@@ -100,6 +100,14 @@ impl Shot {
     }
 }
 
+/// What a turntable goes around: the middle of the scene. No picture asks for it where there is no turntable.
+pub(super) fn middle(scene: &Scene, shots: &[Shot]) -> DVec3 {
+    match shots.iter().any(|shot| shot.turn.is_some()) {
+        true => scene.bounds().center().as_dvec3(),
+        false => DVec3::ZERO,
+    }
+}
+
 /// Where pictures of a camera are taken from, or those of a turntable around a middle.
 ///
 /// # Errors
