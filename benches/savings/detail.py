@@ -4,6 +4,7 @@
     detail.py lod [--budgets 0.5,1] NAME=MODEL ARGUMENT... -- NAME=MODEL ARGUMENT...   # --lod against full meshes
     detail.py noise [--levels 0.1,0.05] NAME=MODEL ...                                 # --noise against uniform samples, at equal error
     detail.py rays NAME=MODEL ...                                                      # what is on by default against --exhaustive
+    detail.py lamps NAME=MODEL ...                                                     # lamps chosen by place against --lamp-choice power
     detail.py grid MODEL.glb SIDE OUT.glb                                              # SIDE by SIDE copies of a model, which share its meshes
 
 Runs are whole programs, file to picture, one after the other in turns, in another order each turn. Ratios are taken within a turn; printed are the median, least and greatest. User seconds are
@@ -131,17 +132,21 @@ def noise(bench, scenes):
             row(scene.name, level, f"{mean:.0f}", f"{found['relmse']:.5f}", f"{found['flip']:.4f}", f"{found['user']:.2f}", gain("relmse", "user"), gain("relmse", "samples"), gain("flip", "user"), gain("flip", "samples"))
 
 
-def rays(bench, scenes):
+def lamps(bench, scenes):
+    rays(bench, scenes, ["--lamp-choice", "power"])
+
+
+def rays(bench, scenes, without=("--exhaustive",)):
     row("scene", "shadow rays left out", "wall ratio", "user ratio", "memory ratio", "relMSE on over off", "FLIP on to off", "FLIP of two seeds")
     row(*["---"] * 8)
     for scene in scenes:
         bench.run(scene, ["--spp", str(bench.args.reference), "--seed", "77", "--exhaustive"], bench.file("reference.exr"))
-        runs = bench.turns(scene, {"off": ["--exhaustive"], "on": []})
+        runs = bench.turns(scene, {"off": [*without], "on": []})
         shadow = {way: r[0]["report"]["rays"]["shadow"] for way, r in runs.items()}
         yardstick = bench.flip_of_seeds(scene)
         errors = {"on": [], "off": []}
         for seed in range(bench.args.turns):
-            for way, more in (("on", []), ("off", ["--exhaustive"])):
+            for way, more in (("on", []), ("off", without)):
                 bench.run(scene, [*more, "--seed", str(seed)], bench.file(f"{way}{seed}.exr"))
                 errors[way].append(bench.errors(bench.file(f"{way}{seed}.exr"), bench.file("reference.exr"))["rel_mse"])
         flip = bench.errors(bench.file("on0.exr"), bench.file("off0.exr"))["flip"]
@@ -178,7 +183,7 @@ def grid(model, side, output):
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("what", choices=["lod", "noise", "rays"])
+    parser.add_argument("what", choices=["lod", "noise", "rays", "lamps"])
     parser.add_argument("--bspray", default="target/release/bspray")
     parser.add_argument("--turns", type=int, default=5)
     parser.add_argument("--reference", type=int, default=4096)
@@ -195,7 +200,7 @@ def main():
         if end:
             scenes.append(Scene(words[:end]))
         words = words[end + 1 :]
-    {"lod": lod, "noise": noise, "rays": rays}[args.what](Bench(args), scenes)
+    {"lod": lod, "noise": noise, "rays": rays, "lamps": lamps}[args.what](Bench(args), scenes)
 
 
 if __name__ == "__main__":

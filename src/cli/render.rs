@@ -82,6 +82,9 @@ pub(super) struct RenderArgs {
     /// How `path` finds lights that have a size; all ways have the same mean
     #[arg(long, value_enum, value_name = "WAY", default_value_t = SearchName::Both)]
     light_search: SearchName,
+    /// By what an emissive triangle is chosen that is asked for light: of both, the mean is the same
+    #[arg(long, value_enum, value_name = "WAY", default_value_t = LampName::Place)]
+    lamp_choice: LampName,
     /// Add the layers `fragment` and `bsp-depth` of the polygon BSP to .exr files; their integrators do so anyway
     #[arg(long)]
     bsp_layers: bool,
@@ -172,6 +175,21 @@ enum SearchName {
     Lights,
     /// The path's own rays, chosen by how the surface scatters
     Surfaces,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum LampName {
+    /// How much light it may send to the place that asks: a tree over all of them
+    Place,
+    /// Its power
+    Power,
+}
+
+impl RenderArgs {
+    /// Whether emissive triangles are chosen by their power alone.
+    pub(super) fn chooses_lamps_by_power(&self) -> bool {
+        self.lamp_choice == LampName::Power
+    }
 }
 
 impl From<SearchName> for LightSearch {

@@ -276,6 +276,9 @@ impl Studio<'_> {
         if args.environment.is_transparent() {
             stage = stage.without_backdrop();
         }
+        if args.chooses_lamps_by_power() {
+            stage = stage.with_emitters_by_power();
+        }
         if args.savings.exhaustive {
             self.pool.install(|| stage.textures.build_all(self.scene));
             stage = stage.exhaustively();

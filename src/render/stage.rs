@@ -177,10 +177,16 @@ impl<'a> Stage<'a> {
         self
     }
 
-    /// With all rays sent, also those that can bring little, and emitters chosen by their power, whether they reach a place or not. Otherwise these are sent, and chosen, with a chance, which leaves the mean of every pixel as it is.
+    /// With all rays sent, also those that can bring little. Otherwise these are sent with a chance, which leaves the mean of every pixel as it is.
     #[must_use]
     pub fn exhaustively(mut self) -> Self {
         self.thrift = Thrift::Off;
+        self
+    }
+
+    /// With emissive triangles chosen by their power alone, whether they reach a place or not: noisier where there are many, and the same in the mean.
+    #[must_use]
+    pub fn with_emitters_by_power(mut self) -> Self {
         self.lights = self.lights.by_power();
         self
     }
