@@ -4,7 +4,7 @@
     detail.py lod [--budgets 0.5,1] NAME=MODEL ARGUMENT... -- NAME=MODEL ARGUMENT...   # --lod against full meshes
     detail.py noise [--levels 0.1,0.05] NAME=MODEL ...                                 # --noise against uniform samples, at equal error
     detail.py rays NAME=MODEL ...                                                      # what is on by default against --exhaustive
-    detail.py lamps NAME=MODEL ...                                                     # lamps chosen by place against --lamp-choice power
+    detail.py lamps NAME=MODEL ...                                                     # lamps chosen by the light tree against --light-sampler power
     detail.py grid MODEL.glb SIDE OUT.glb                                              # SIDE by SIDE copies of a model, which share its meshes
 
 Runs are whole programs, file to picture, one after the other in turns, in another order each turn. Ratios are taken within a turn; printed are the median, least and greatest. User seconds are
@@ -133,7 +133,7 @@ def noise(bench, scenes):
 
 
 def lamps(bench, scenes):
-    rays(bench, scenes, ["--lamp-choice", "power"])
+    rays(bench, scenes, ["--light-sampler", "power"])
 
 
 def rays(bench, scenes, without=("--exhaustive",)):

@@ -82,9 +82,9 @@ pub(super) struct RenderArgs {
     /// How `path` finds lights that have a size; all ways have the same mean
     #[arg(long, value_enum, value_name = "WAY", default_value_t = SearchName::Both)]
     light_search: SearchName,
-    /// By what an emissive triangle is chosen that is asked for light: of both, the mean is the same
-    #[arg(long, value_enum, value_name = "WAY", default_value_t = LampName::Place)]
-    lamp_choice: LampName,
+    /// How the emissive triangle is chosen that is asked for light: of both ways, the mean is the same
+    #[arg(long, value_enum, value_name = "WAY", default_value_t = SamplerName::Tree)]
+    light_sampler: SamplerName,
     /// Add the layers `fragment` and `bsp-depth` of the polygon BSP to .exr files; their integrators do so anyway
     #[arg(long)]
     bsp_layers: bool,
@@ -178,17 +178,17 @@ enum SearchName {
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-enum LampName {
-    /// How much light it may send to the place that asks: a tree over all of them
-    Place,
-    /// Its power
+enum SamplerName {
+    /// By how much light each may send to the place that asks: a light tree
+    Tree,
+    /// By power, wherever light is asked for
     Power,
 }
 
 impl RenderArgs {
     /// Whether emissive triangles are chosen by their power alone.
-    pub(super) fn chooses_lamps_by_power(&self) -> bool {
-        self.lamp_choice == LampName::Power
+    pub(super) fn chooses_emitters_by_power(&self) -> bool {
+        self.light_sampler == SamplerName::Power
     }
 }
 

@@ -276,7 +276,7 @@ impl Studio<'_> {
         if args.environment.is_transparent() {
             stage = stage.without_backdrop();
         }
-        if args.chooses_lamps_by_power() {
+        if args.chooses_emitters_by_power() {
             stage = stage.with_emitters_by_power();
         }
         if args.savings.exhaustive {

@@ -74,6 +74,12 @@ impl Aabb {
         2.0 * (e.x * e.y + e.y * e.z + e.z * e.x)
     }
 
+    /// The eight corners; bit `axis` of a corner's number says whether it has the greatest coordinate there.
+    pub fn corners(&self) -> [Vec3; 8] {
+        let side = |corner: usize, axis: usize| [self.min, self.max][corner >> axis & 1][axis];
+        std::array::from_fn(|i| Vec3::new(side(i, 0), side(i, 1), side(i, 2)))
+    }
+
     /// Distance of a point from the box, in model units: 0 inside, infinite from an empty one.
     pub fn distance(&self, point: DVec3) -> f64 {
         if self.is_empty() {

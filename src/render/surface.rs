@@ -38,7 +38,7 @@ pub struct Surface {
     pub footprint: f32,
     /// The same in units of the first set of texture coordinates.
     uv_footprint: f32,
-    /// How many of these a model unit is; 0 where no texture is looked up.
+    /// How many of these a patch of a model unit is wide; 0 where no texture is looked up.
     uv_per_length: f32,
 }
 

@@ -33,7 +33,10 @@ impl Scene {
                 let [low, high] = [bounds.min, bounds.max].map(Vec3::as_dvec3);
                 let farthest = low.abs().max(high.abs()).max_element();
                 let slack = steepest * ROUNDING * farthest;
-                let most = corners(&bounds).fold([f64::NEG_INFINITY; N], greater);
+                let most = bounds
+                    .corners()
+                    .into_iter()
+                    .fold([f64::NEG_INFINITY; N], greater);
                 if most
                     .iter()
                     .zip(&greatest)
@@ -50,10 +53,9 @@ impl Scene {
 
     /// The world-space box of all instances; empty when nothing is placed. Only vertices that a triangle uses count.
     pub fn bounds(&self) -> Aabb {
-        let sides = |p: Vec3| [p, -p].map(|p| p.as_dvec3());
         let sides = |p: Vec3| {
-            let [p, n] = sides(p);
-            [p.x, p.y, p.z, n.x, n.y, n.z]
+            let p = p.as_dvec3();
+            [p.x, p.y, p.z, -p.x, -p.y, -p.z]
         };
         let [x, y, z, nx, ny, nz] = self.extremes(1.0, sides);
         Aabb {
@@ -61,13 +63,6 @@ impl Scene {
             max: DVec3::new(x, y, z).as_vec3(),
         }
     }
-}
-
-fn corners(bounds: &Aabb) -> impl Iterator<Item = Vec3> + '_ {
-    (0..8).map(|i: u32| {
-        let side = |axis: usize| [bounds.min, bounds.max][(i >> axis & 1) as usize][axis];
-        Vec3::new(side(0), side(1), side(2))
-    })
 }
 
 #[cfg(test)]

@@ -42,13 +42,13 @@ impl Instance {
 
     /// The box in world space of the corners of a box in object space; an empty one of an empty one.
     pub fn world_bounds(&self, object: &Aabb) -> Aabb {
-        let corner = |i: u32| {
-            let side = |axis: usize| [object.min, object.max][(i >> axis & 1) as usize][axis];
-            self.world_point(Vec3::new(side(0), side(1), side(2)))
-        };
         match object.is_empty() {
             true => Aabb::EMPTY,
-            false => (0..8).map(corner).collect(),
+            false => object
+                .corners()
+                .map(|p| self.world_point(p))
+                .into_iter()
+                .collect(),
         }
     }
 

@@ -151,17 +151,7 @@ impl TriangleMesh {
             return used.collect();
         }
         let bounds: Aabb = used.collect();
-        let corner = |i: u32| {
-            let side = |bit: u32, axis: usize| {
-                if i >> bit & 1 == 0 {
-                    bounds.min[axis]
-                } else {
-                    bounds.max[axis]
-                }
-            };
-            Vec3::new(side(0, 0), side(1, 1), side(2, 2))
-        };
-        (0..8).map(corner).collect()
+        bounds.corners().to_vec()
     }
 
     /// Whether all is the same but the name, bit for bit.

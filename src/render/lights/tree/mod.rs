@@ -1,21 +1,18 @@
 //! Which emitter light is asked of, by where it is needed: a tree over all of them, whose nodes know where their emitters are, how much light they send and which way they face.
 //!
 //! Conty Estévez and Kulla 2018, "Importance Sampling of Many Lights with Adaptive Tree Splitting", in the form of pbrt-v4 (Pharr, Jakob and Humphreys 2023, section 12.6.3): at every node the
-//! choice goes by what light could arrive at most of either side. Ours send light from both sides, so which way they face is a cone of lines. Nobody is left out: what can bring
-//! little is chosen seldom.
+//! choice goes by how much light could arrive from either side. Here that is no bound but an estimate, which tells near nodes apart better; and emitters send light from both sides, so which
+//! way they face is a cone of lines. Nobody is left out: what can bring little is chosen seldom.
 
-use std::f32::consts::{FRAC_PI_2, PI};
+mod group;
+
+use std::f32::consts::FRAC_PI_2;
 
 use glam::Vec3;
 
+pub(super) use self::group::Source;
+use self::group::{Group, divide};
 use super::Receiver;
-use crate::geometry::Aabb;
-
-/// How much longer than the longest of its emitters the box of a leaf is at most: those that are side by side, as the faces of one lamp, are chosen by power alone.
-const COMPACT: f32 = 2.0;
-
-/// Places at which a node may be divided along each axis.
-const BINS: usize = 12;
 
 /// Least cosine that a node and a receiver are thought to face each other with: what is known of both is rough, and shading normals differ from the receiver's.
 const LEAST_COSINE: f32 = 0.02;
@@ -25,15 +22,6 @@ const LEAST_SHARE: f32 = 1e-6;
 
 /// The greatest number below 1.
 const BELOW_ONE: f64 = 1.0 - f64::EPSILON / 2.0;
-
-/// An emitter, as the tree sees it.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Source {
-    pub(super) bounds: Aabb,
-    /// Unit normal, of either side; zero if there is none.
-    pub(super) normal: Vec3,
-    pub(super) power: f64,
-}
 
 /// A tree over all emitters of a scene.
 #[derive(Debug, Default)]
@@ -199,7 +187,7 @@ impl Tree {
 impl Node {
     fn of(group: &Group, parent: u32) -> Self {
         Self {
-            reach: group.reach(),
+            reach: Reach::of(group),
             parent,
             first: 0,
             count: 0,
@@ -208,6 +196,25 @@ impl Node {
 }
 
 impl Reach {
+    fn of(group: &Group) -> Self {
+        // Without a normal, all lines.
+        let angle = if group.angle < 0.0 {
+            FRAC_PI_2
+        } else {
+            group.angle
+        };
+        let (sine, cosine) = libm::sincosf(angle);
+        Self {
+            center: group.bounds.center(),
+            radius: group.bounds.diagonal() / 2.0,
+            half: group.bounds.extent() / 2.0,
+            axis: group.axis,
+            cosine,
+            sine,
+            power: group.power as f32,
+        }
+    }
+
     /// The share of the box that is before the receiver; all for one without a normal.
     #[inline(always)]
     fn above(&self, receiver: &Receiver) -> f32 {
@@ -247,185 +254,17 @@ impl Reach {
     }
 }
 
-/// Some emitters, as far as dividing them goes.
-#[derive(Clone, Copy, Debug)]
-struct Group {
-    bounds: Aabb,
-    /// Length of the longest emitter's box.
-    longest: f32,
-    power: f64,
-    /// Unit vector of the line in the middle of the normals, and how far from it they are at most, in radians; negative without any.
-    axis: Vec3,
-    angle: f32,
-}
-
-impl Default for Group {
-    fn default() -> Self {
-        Self {
-            bounds: Aabb::EMPTY,
-            longest: 0.0,
-            power: 0.0,
-            axis: Vec3::ZERO,
-            angle: -1.0,
-        }
-    }
-}
-
-impl Group {
-    fn over(sources: &[Source], ids: &[u32]) -> Self {
-        let all = ids.iter().map(|&id| Self::of(&sources[id as usize]));
-        all.fold(Self::default(), Self::with)
-    }
-
-    fn of(source: &Source) -> Self {
-        Self {
-            bounds: source.bounds,
-            longest: source.bounds.diagonal(),
-            power: source.power,
-            axis: source.normal,
-            angle: if source.normal == Vec3::ZERO {
-                -1.0
-            } else {
-                0.0
-            },
-        }
-    }
-
-    fn with(self, other: Self) -> Self {
-        let (axis, angle) = lines_around((self.axis, self.angle), (other.axis, other.angle));
-        Self {
-            bounds: self.bounds.union(other.bounds),
-            longest: self.longest.max(other.longest),
-            power: self.power + other.power,
-            axis,
-            angle,
-        }
-    }
-
-    fn is_compact(&self) -> bool {
-        self.bounds.diagonal() <= COMPACT * self.longest
-    }
-
-    fn reach(&self) -> Reach {
-        // Without a normal, all lines.
-        let angle = if self.angle < 0.0 {
-            FRAC_PI_2
-        } else {
-            self.angle
-        };
-        let (sine, cosine) = libm::sincosf(angle);
-        Reach {
-            center: self.bounds.center(),
-            radius: self.bounds.diagonal() / 2.0,
-            half: self.bounds.extent() / 2.0,
-            axis: self.axis,
-            cosine,
-            sine,
-            power: self.power as f32,
-        }
-    }
-
-    /// What choosing among them costs (Conty Estévez and Kulla, equation 1): the power, times the area of the box, times the solid angle that they send light to.
-    fn cost(&self) -> f64 {
-        if self.angle < 0.0 {
-            return 0.0;
-        }
-        // Light goes up to a right angle from the normals.
-        let most = (self.angle + FRAC_PI_2).min(PI);
-        let (s, c) = libm::sincosf(self.angle);
-        let beyond =
-            2.0 * most * s - libm::cosf(self.angle - 2.0 * most) - 2.0 * self.angle * s + c;
-        let solid = 2.0 * PI * (1.0 - c) + FRAC_PI_2 * beyond;
-        self.power * f64::from(solid) * f64::from(self.bounds.surface_area())
-    }
-}
-
-/// The narrowest cone of lines around two; each is the unit vector of its middle and an angle, negative for no line.
-fn lines_around((axis, angle): (Vec3, f32), (other, of_other): (Vec3, f32)) -> (Vec3, f32) {
-    if of_other < 0.0 {
-        return (axis, angle);
-    }
-    if angle < 0.0 {
-        return (other, of_other);
-    }
-    let other = if axis.dot(other) < 0.0 { -other } else { other };
-    let between = libm::acosf(axis.dot(other).min(1.0));
-    if between + of_other <= angle {
-        return (axis, angle);
-    }
-    if between + angle <= of_other {
-        return (other, of_other);
-    }
-    let both = ((angle + between + of_other) / 2.0).min(FRAC_PI_2);
-    let turned = both - angle;
-    let across = (other - axis * axis.dot(other)).normalize_or_zero();
-    if both >= FRAC_PI_2 || across == Vec3::ZERO {
-        // All lines.
-        return (axis, FRAC_PI_2);
-    }
-    let (s, c) = libm::sincosf(turned);
-    ((axis * c + across * s).normalize(), both)
-}
-
-/// Sorts emitters into two sides, where choosing among them costs least. Gives how many are on the first, and both.
-fn divide(sources: &[Source], ids: &mut [u32]) -> (usize, [Group; 2]) {
-    let center = |id: u32| sources[id as usize].bounds.center();
-    let centers: Aabb = ids.iter().map(|&id| center(id)).collect();
-    let bounds = ids.iter().map(|&id| sources[id as usize].bounds);
-    let extent = bounds.fold(Aabb::EMPTY, Aabb::union).extent();
-    let bin = |id: u32, axis: usize| {
-        let share = (center(id)[axis] - centers.min[axis]) / centers.extent()[axis];
-        ((share * BINS as f32) as usize).min(BINS - 1)
-    };
-    let mut best = None;
-    let mut least = f64::INFINITY;
-    for axis in (0..3).filter(|&axis| centers.extent()[axis] > 0.0) {
-        let mut bins = [Group::default(); BINS];
-        for &id in ids.iter() {
-            let into = &mut bins[bin(id, axis)];
-            *into = into.with(Group::of(&sources[id as usize]));
-        }
-        // Thin boxes are to be cut across.
-        let shape = f64::from(extent.max_element() / extent[axis]);
-        let mut below = [Group::default(); BINS];
-        let mut sum = Group::default();
-        for (below, bin) in below.iter_mut().zip(bins) {
-            sum = sum.with(bin);
-            *below = sum;
-        }
-        let mut above = Group::default();
-        for cut in (1..BINS).rev() {
-            above = above.with(bins[cut]);
-            let cost = shape * (below[cut - 1].cost() + above.cost());
-            if cost < least && !below[cut - 1].bounds.is_empty() && !above.bounds.is_empty() {
-                least = cost;
-                best = Some((axis, cut, [below[cut - 1], above]));
-            }
-        }
-    }
-    let Some((axis, cut, sides)) = best else {
-        // All at one place.
-        let count = ids.len() / 2;
-        let (one, other) = ids.split_at(count);
-        return (count, [one, other].map(|ids| Group::over(sources, ids)));
-    };
-    let (one, other): (Vec<u32>, Vec<u32>) = ids.iter().partition(|&&id| bin(id, axis) < cut);
-    ids[..one.len()].copy_from_slice(&one);
-    ids[one.len()..].copy_from_slice(&other);
-    (one.len(), sides)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use glam::Vec2;
 
     /// A number without order, 0 to 1.
-    fn part(i: u32, factor: u32) -> f32 {
+    pub(super) fn part(i: u32, factor: u32) -> f32 {
         (i.wrapping_mul(factor) % 9973) as f32 / 9973.0
     }
 
-    fn direction(i: u32) -> Vec3 {
+    pub(super) fn direction(i: u32) -> Vec3 {
         let z = 2.0 * part(i, 7919) - 1.0;
         let around = Vec2::from_angle(7.0 * part(i, 131)) * (1.0 - z * z).sqrt();
         around.extend(z)
@@ -532,26 +371,6 @@ mod tests {
             theirs += variance(&plain);
         }
         assert!(ours * 20.0 < theirs, "{ours} {theirs}");
-    }
-
-    #[test]
-    fn a_cone_of_lines_holds_those_that_it_was_made_of() {
-        for i in 0..500 {
-            let mut cone = (Vec3::ZERO, -1.0);
-            let lines: Vec<Vec3> = (0..i % 9)
-                .map(|k| {
-                    let near = (direction(i) + direction(99 * i + k) * part(i, 7)).normalize();
-                    if k % 2 == 0 { near } else { -near }
-                })
-                .collect();
-            for line in &lines {
-                cone = lines_around(cone, (*line, 0.0));
-            }
-            for line in &lines {
-                let angle = libm::acosf(line.dot(cone.0).abs().min(1.0));
-                assert!(angle <= cone.1 + 2e-3, "{angle} {cone:?}");
-            }
-        }
     }
 
     #[test]
